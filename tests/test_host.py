@@ -259,7 +259,7 @@ async def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_clo
         with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
             host.remove("Tank")
         assert list(host.bodies) == ["Labo"], "the displayed body is gone nevertheless"
-        with pytest.raises(ControllerError, match="Mend it, and make the simulation anew: open its program again"):
+        with pytest.raises(ControllerError, match="Fix it, then open its program again: this simulation cannot"):
             await run
         host.remove("Labo")
         assert host.bodies == {}

@@ -276,7 +276,7 @@ def stuck(monkeypatch):
     until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
 
 
-SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Mend it, and make the simulation"
+SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Fix it, then open its program again"
 
 
 CALLS = {"advance": (0.01,), "start": (), "release": ("Tank",)}
@@ -312,7 +312,7 @@ class TestAControllerThatDoesNotReturn:
         assert (simulation.error, simulation.state) == (error, State.ABANDONED)
         assert "Stuck does not return" in str(error)
         assert simulation.snapshot.get() is snapshot
-        assert simulation.step == simulation.data.time == 0.0
+        assert simulation.step == simulation.world.data.time == 0.0
         assert stuck.calls == ["initialize"]
 
     def test_keeps_only_the_thread_that_advances(self, stuck):

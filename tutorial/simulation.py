@@ -1,4 +1,4 @@
-"""A simulation that can be started and stopped: a stepped world, and the thread that steps it in real time."""
+"""A simulation that can be started and stopped: it holds a world, and the thread that steps it in real time."""
 
 import logging
 import sys
@@ -8,30 +8,26 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import Enum
 
-from tutorial.body import FindCamera
+from tutorial.body import Body, FindCamera
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, where
+from tutorial.handoff import Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
-LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
-REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
+LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to make up for; it gives up the rest
+REPORT_EVERY = 5.0  # [s] between two warnings that the machine can't keep up
 STUCK = 3.0  # [s] that the controllers may take to return when somebody waits for them
-SLOW = 0.95  # of real time, below which the machine is said not to keep up
+SLOW = 0.95  # of real time, below which the machine can't keep up
 
 _log = logging.getLogger(__name__)
 
 
 class State(Enum):
-    """What a simulation does.
-
-    ``start`` and ``advance`` lead from IDLE or FAILED to RUNNING. From there it comes to IDLE when the duration is over
-    or at ``stop``. If a controller raises, also when it is stopped, the simulation is FAILED in the end. If one does
-    not return, it is ABANDONED for ever.
-    """
+    """What a simulation does. `Simulation` has a table of how it comes from one state to another."""
 
     IDLE = "idle"  #: nothing; it can be stepped
     RUNNING = "running"  #: it is being stepped, on its own thread or by `Simulation.advance`
@@ -39,20 +35,41 @@ class State(Enum):
     ABANDONED = "abandoned"  #: nothing ever again: a controller does not return, and may still touch what it was given
 
 
-class Simulation(SteppedWorld):
-    """A copy of some bodies in one MuJoCo world, and the controllers that move them.
+class Simulation:
+    """A world of simulated bodies and their controllers, and the thread that steps it.
 
-    It can be stepped at once, with `advance`, or in real time on a thread of its own, with `start` and `stop`; in both
-    cases controllers see only the copy, through the `ControllerIO` that they are initialized with. Whatever a
-    controller raises becomes a `ControllerError`, also where it wants to end the program. If one does not return, the
-    simulation waits a few seconds for it; then it is abandoned, and nobody touches it any more.
+    `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
+    `stop`. Controllers see only the simulated copy of their bodies, through the `ControllerIO` that they are
+    initialized with. Any thread may call the methods, but no controller may.
 
-    The methods may be called on any thread, except by a controller. The arguments are those of `SteppedWorld`.
+    Whatever a controller raises becomes a `ControllerError`, also where it wants to end the program. The simulation
+    waits a few seconds for one that does not return; then it is abandoned, and nobody touches it any more:
+
+    =========  ==============  ===========  ===================  ============================
+    state      start, advance  run is over  a controller raises  a controller does not return
+    =========  ==============  ===========  ===================  ============================
+    IDLE       RUNNING         never        FAILED               ABANDONED
+    RUNNING    refused         IDLE         FAILED               ABANDONED
+    FAILED     RUNNING         never        FAILED               ABANDONED
+    ABANDONED  refused         never        never                never
+    =========  ==============  ===========  ===================  ============================
+
+    A run is over after its duration, after `stop`, or after Ctrl-C. Outside of a run, controllers are only called to be
+    stopped. If one of those that `release` stops during a run raises, the run goes on, and ends in FAILED.
+
+    Args:
+        placements, controllers, time_step, find_camera: as for `SteppedWorld`.
 
     Attributes:
-        state: what it does now.
+        world: what is stepped; only the thread that steps it may touch it while the simulation is running.
+        bodies, model, time_step: those of the world.
+        snapshot: the newest state to be shown.
+        state: what the simulation does now.
         error: what a controller raised last, since the last start; None when none did.
         rest: between two batches of steps in real time [s]. Longer batches take less of the processor.
+
+    Raises:
+        TutorialError: the bodies do not make a world.
     """
 
     rest = REST
@@ -64,19 +81,55 @@ class Simulation(SteppedWorld):
         time_step: float = 0.001,
         find_camera: FindCamera | None = None,
     ) -> None:
-        super().__init__(placements, controllers, time_step, find_camera)
+        self.world = SteppedWorld(placements, controllers, time_step, find_camera)
+        self.bodies = self.world.bodies
+        self.model = self.world.model
+        self.time_step = time_step
+        self.snapshot = Latest(self.world.snapshot())
         self.state = State.IDLE
         self.error: ControllerError | None = None
-        self._turns = threading.Lock()  # held by the method that starts, stops or changes something
-        self._lock = threading.Lock()  # held for a change of the state, and never while a controller is at work
-        self._run = Run(threading.current_thread())  # the last one that stepped; before the first, one that is over
-        self._run.finished.set()
-        self._leaving = self._run  # the last one that stopped controllers, on a thread of its own
+        # Two locks, always taken in this order. Methods that start, stop or change something take turns, and keep the
+        # turn while they wait for controllers. Changes of the state need only the second lock, which nobody holds while
+        # a controller runs: so a run can note its end while stop(), whose turn it is, waits for that.
+        self._turn_lock = threading.Lock()
+        self._state_lock = threading.Lock()
+        # Two runs, because release() has some controllers stopped on one thread while another thread steps the rest.
+        # Each is the last of its kind; at first, both are one that is over.
+        self._stepping = self._stopping = Run(threading.current_thread())
+        self._stepping.finished.set()
 
     @property
     def running(self) -> bool:
         """Whether it is being stepped."""
         return self.state is State.RUNNING
+
+    @property
+    def step(self) -> int:
+        """How many steps have been simulated since the simulation was made."""
+        return self.world.step
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the simulation was made [s]."""
+        return self.world.time
+
+    def copy_to(self, bodies: Iterable[Body]) -> float:
+        """Move displayed bodies to where the newest snapshot has them. Main thread.
+
+        Args:
+            bodies: displayed bodies; those that are not simulated stay where they are.
+
+        Returns:
+            The simulated time that they show now [s].
+        """
+        snapshot = self.snapshot.get()
+        for body in bodies:
+            simulated = self.bodies.get(body.name)
+            if simulated is not None and len(body.qpos):
+                body.qpos[:] = snapshot.qpos[simulated.qpos_slice]
+                body.calc_forward_kinematics()
+                body.notify_change()
+        return snapshot.time
 
     def advance(self, seconds: float) -> None:
         """Step as fast as possible, on the calling thread.
@@ -86,7 +139,7 @@ class Simulation(SteppedWorld):
 
         Raises:
             ControllerError: a controller raised, and the simulation stops there; or one has never returned.
-            TutorialError: the simulation is running, or another thread has stopped it meanwhile.
+            TutorialError: the simulation is running, or another thread stopped it before it was done.
         """
         if seconds < 0:
             raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0.")
@@ -95,8 +148,8 @@ class Simulation(SteppedWorld):
             with self._turn("advance()"):
                 self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
                 self._begin(run)
-            self._initialize(run)
-            done = self._run_steps(run, round(seconds / self.time_step))
+            self.world.initialize(run)
+            done = self.world.run_steps(run, round(seconds / self.time_step))
         except ControllerError as raised:
             error = raised
             raise
@@ -114,16 +167,15 @@ class Simulation(SteppedWorld):
             duration: stop after this much simulated time [s]; None to go on until `stop`.
 
         Raises:
-            ControllerError: a controller of it has never returned.
+            ControllerError: one of its controllers has never returned.
             TutorialError: it is running already.
         """
         with self._turn("start()"):
             self._check_idle("the simulation is running already. Call stop() first.")
             last_step = None if duration is None else self.step + round(duration / self.time_step)
-            thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
-            run = Run(thread, is_own=True)
+            run = Run.on_own_thread(lambda run: self._main(run, last_step))
             self._begin(run)
-            thread.start()
+            run.thread.start()
 
     def stop(self) -> None:
         """End the run and stop the controllers. Idempotent. What was simulated stays.
@@ -131,11 +183,10 @@ class Simulation(SteppedWorld):
         A controller that does not return keeps its thread, which then ends with the process: `error` says where it is.
         """
         with self._turn("stop()"):
-            self._run.stopping.set()
-            self._wait_for(self._run)
-            if self._initialized and self.state is not State.ABANDONED:
-                self._initialized = False
-                self._stop_controllers([controller for controller, _ in self._controllers])
+            self._stepping.stopping.set()
+            self._wait_for(self._stepping)
+            if self.world.initialized and self.state is not State.ABANDONED:
+                self._stop_controllers(self.world.dismiss())
 
     def release(self, body: str) -> None:
         """Stop the controllers of a body, for good; the body itself stays in the world, which may be running.
@@ -148,25 +199,24 @@ class Simulation(SteppedWorld):
         """
         with self._turn("release()"):
             self._check_abandoned()
-            leaving = [controller for controller, io in self._controllers if io.body.name == body]
-            self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
-            if not self._run.wait_for_lap(STUCK):  # until then a step may still ask those that leave
-                self._abandon(self._run)
-            if self._initialized and self.state is not State.ABANDONED:
+            leaving = self.world.release(body)
+            if not self._stepping.wait_for_lap(STUCK):  # until then a step may still call those that leave
+                self._abandon(self._stepping)
+            if self.world.initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)
             self._check_abandoned()
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Have one caller after the other start, stop or change something; a controller would wait for itself."""
-        if self._run.is_mine() or self._leaving.is_mine():
+        """Let one caller after the other start, stop or change something. A controller would wait for itself."""
+        if self._stepping.is_mine() or self._stopping.is_mine():
             raise TutorialError(f"{caller} was called by a controller, and would wait for it. Call it elsewhere.")
-        if not self._turns.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers, at most twice
+        if not self._turn_lock.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers, at most twice
             raise TutorialError(f"{caller}: another thread is still stopping this simulation. Call it again later.")
         try:
             yield
         finally:
-            self._turns.release()
+            self._turn_lock.release()
 
     def _check_abandoned(self) -> None:
         if self.state is State.ABANDONED:
@@ -177,32 +227,43 @@ class Simulation(SteppedWorld):
         if self.running:
             raise TutorialError(otherwise)
 
+    # The events, in the order of the table's columns. Nothing else changes the state.
+
     def _begin(self, run: Run) -> None:
-        with self._lock:
-            self.state, self.error, self._run = State.RUNNING, None, run
+        """Go to RUNNING: a run begins."""
+        with self._state_lock:
+            self.state, self.error, self._stepping = State.RUNNING, None, run
 
     def _end(self, run: Run, error: ControllerError | None) -> None:
-        """Note how a run has come to its end; one that was abandoned, or never began, leaves everything alone."""
-        with self._lock:
-            if self._run is not run or run.finished.is_set():
+        """Go to IDLE, or to FAILED if a controller raised. A run that was abandoned or never began changes nothing."""
+        with self._state_lock:
+            if self._stepping is not run or run.finished.is_set():
                 return
-            self.snapshot.put(self._snap())
+            self.snapshot.put(self.world.snapshot())
             self.error = error or self.error
             self.state = State.FAILED if self.error else State.IDLE
             run.finished.set()
 
+    def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
+        """Go from IDLE to FAILED if a controller raised when it was stopped; if a run goes on, its end does that."""
+        with self._state_lock:
+            if error is not None and not run.abandoned:
+                self.error = error
+                self.state = State.FAILED if self.state is State.IDLE else self.state
+            run.finished.set()
+
     def _abandon(self, stuck: Run) -> None:
-        """Give up a controller that does not return, and with it the simulation: nobody may touch either any more."""
-        with self._lock:
+        """Go to ABANDONED: give up a controller that does not return, and everything that it may still touch."""
+        with self._state_lock:
             if stuck.finished.is_set():
                 return
             name, file = stuck.at_work()
-            stands = f"{name} does not return{where(stuck.thread, file)}"
-            text = f"{stands}. Mend it, and make the simulation anew: open its program again."
+            problem = f"{name} does not return{where(stuck.thread, file)}"
+            text = f"{problem}. Fix it, then open its program again: this simulation cannot go on."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             stuck.abandon()
-            if not self._run.finished.is_set():
-                self._run.abandon()
+            if not self._stepping.finished.is_set():
+                self._stepping.abandon()
         _log.error("%s", text)
 
     def _wait_for(self, run: Run) -> None:
@@ -213,29 +274,21 @@ class Simulation(SteppedWorld):
             run.thread.join(STUCK)  # it has nothing more to do
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
-        """Stop controllers on a thread that can be given up, as any of them may keep it."""
-        thread = threading.Thread(target=lambda: self._stop_main(run, controllers), name="simulation", daemon=True)
-        self._leaving = run = Run(thread, is_own=True)
-        thread.start()
-        self._wait_for(run)
-
-    def _stop_main(self, run: Run, controllers: list[SimpleController]) -> None:
-        """The thread on which controllers are stopped."""
-        failed = self._stop_each(run, controllers)
-        with self._lock:
-            if failed is not None and not run.abandoned:
-                self.error = failed
-                self.state = State.FAILED if self.state is State.IDLE else self.state
-            run.finished.set()
+        """Stop controllers on a thread that can be given up, as any of them may block it."""
+        self._stopping = Run.on_own_thread(
+            lambda run: self._end_stopping(run, self.world.stop_controllers(run, controllers))
+        )
+        self._stopping.thread.start()
+        self._wait_for(self._stopping)
 
     def _main(self, run: Run, last_step: int | None) -> None:
-        """The simulation's thread."""
+        """Initialize and step, on the run's own thread."""
         failed: ControllerError | None = None
         try:
-            self._initialize(run)
+            self.world.initialize(run)
             self._keep_pace(run, last_step)
-        except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end without a word
-            failed = error if isinstance(error, ControllerError) else self._controller_error(run, error)
+        except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end silently
+            failed = error if isinstance(error, ControllerError) else self.world.controller_error(run, error)
             _log.error("%s", failed)
         sys.setswitchinterval(USUAL_INTERVAL)
         self._end(run, failed)
@@ -243,7 +296,7 @@ class Simulation(SteppedWorld):
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
         """Step so that simulated time follows real time.
 
-        The pace is reckoned from one origin, so that rounding and sleeping too long don't add up.
+        The pace is counted from one origin, so that rounding and sleeping too long don't add up.
         """
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
@@ -251,14 +304,14 @@ class Simulation(SteppedWorld):
             due = pace.steps_due(self.step)
             if last_step is not None:
                 due = min(due, last_step - self.step)
-            self._run_steps(run, due)
+            self.world.run_steps(run, due)
             if not run.abandoned:
-                self.snapshot.put(self._snap())
+                self.snapshot.put(self.world.snapshot())
             time.sleep(self.rest)
 
 
 class _Pace:
-    """Reckons how many steps are due, and says when the machine can't keep up."""
+    """Computes how many steps are due, and warns when the machine can't keep up."""
 
     def __init__(self, step: int, time_step: float) -> None:
         self._time_step = time_step
@@ -266,7 +319,7 @@ class _Pace:
         self._lost, self._since = 0.0, time.perf_counter()
 
     def steps_due(self, step: int) -> int:
-        """How many steps to take now, after so many."""
+        """Return how many steps to take now, after so many."""
         now = time.perf_counter()
         debt = now - self._origin - step * self._time_step
         if debt > LONGEST_DEBT:

@@ -1,11 +1,11 @@
-"""The simulated copy of the world, stepped together with its controllers: no thread of its own, no lock."""
+"""A MuJoCo world that is stepped together with its controllers. It has no thread and no lock of its own."""
 
 from __future__ import annotations
 
 import logging
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -14,19 +14,18 @@ import mujoco
 from tutorial.body import Body, FindCamera
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError, file_of, tell
-from tutorial.handoff import Latest
 from tutorial.world import Placement, compose
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-LOOK_EVERY = 0.001  # [s] while a run is watched
+POLL_EVERY = 0.001  # [s] while another thread waits for a run's next lap
 _log = logging.getLogger(__name__)
 
 
 class ControllerError(TutorialError):
-    """A controller raised, or does not return; the simulation has stopped. What was raised is the cause of this one."""
+    """A controller raised an exception, which is the cause of this one, or does not return. The simulation stopped."""
 
 
 @dataclass(frozen=True)
@@ -44,16 +43,16 @@ class Snapshot:
 
 @dataclass(eq=False)
 class Run:
-    """One thread's work with the controllers of a world. Any thread may look at it, or ask it to end.
+    """The work of one thread that calls controllers. Other threads watch it, and may ask it to end.
 
     Attributes:
         thread: the thread.
         is_own: whether the thread was made for the run, and ends with it.
-        controller: the controller that is at work, or was last; None while MuJoCo is.
-        laps: grows after each step, when no controller is at work.
+        controller: the controller that was called last, and may still be running; None while MuJoCo steps.
+        laps: counts up between two steps, when no controller is running.
         stopping: set to ask the run to end.
         finished: set when it has ended, or was abandoned.
-        abandoned: nobody waits for it any more, and it may not touch the world any more.
+        abandoned: nobody waits for it any more, and it may no longer touch the world.
     """
 
     thread: threading.Thread
@@ -64,14 +63,21 @@ class Run:
     finished: threading.Event = field(default_factory=threading.Event)
     abandoned: bool = False
 
+    @classmethod
+    def on_own_thread(cls, main: Callable[[Run], object]) -> Run:
+        """Make a run with a thread of its own, which calls ``main(run)`` once the caller starts it."""
+        thread = threading.Thread(target=lambda: main(run), name="simulation", daemon=True)
+        run = cls(thread, is_own=True)
+        return run
+
     def is_mine(self) -> bool:
-        """Whether the calling thread is this run's, which has not ended: then a controller calls."""
+        """Return whether this run's thread is calling before the run has ended: then a controller calls."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
-        """Wait until the run has come to its next lap, or to its end; False when it does neither in so many seconds."""
+        """Wait until the run has come to its next lap or its end. Return False if that takes too many seconds."""
         before, deadline = self.laps, time.monotonic() + seconds
-        while self.laps == before and not self.finished.wait(LOOK_EVERY):
+        while self.laps == before and not self.finished.wait(POLL_EVERY):
             if time.monotonic() > deadline:
                 return False
         return True
@@ -83,17 +89,20 @@ class Run:
         self.finished.set()
 
     def at_work(self) -> tuple[str, str]:
-        """Return the name of the controller's class, and the file that it is written in."""
+        """Return the name of the class of the controller that was called last, and the file of that class."""
         kind = type(self.controller)
         return ("MuJoCo", "") if self.controller is None else (kind.__name__, file_of(kind))
 
 
 class SteppedWorld:
-    """Some bodies in one MuJoCo world, and the controllers that move them. One thread at a time may step it.
+    """Some bodies in one MuJoCo world, and the controllers that move them.
+
+    One thread at a time may initialize or step it. Each method that calls controllers is given the caller's `Run`: it
+    notes there which controller it calls, and returns early when the run is abandoned.
 
     Args:
         placements: the bodies.
-        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are asked.
+        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are called.
         time_step: [s].
         find_camera: what finds a camera of a simulated body, see `Body`; None for a world without pictures.
 
@@ -102,8 +111,8 @@ class SteppedWorld:
         data: its state; it belongs to the thread that steps.
         time_step: as given.
         bodies: the simulated bodies by name.
-        step: how many steps have been simulated since the start.
-        snapshot: the newest state to be shown.
+        step: how many steps have been simulated since the world was made.
+        initialized: whether the controllers have been initialized, and not dismissed since.
 
     Raises:
         TutorialError: the bodies do not make a world.
@@ -122,36 +131,25 @@ class SteppedWorld:
         self.bodies = {p.name: Body(p.name, self.model, self.data, find_camera=find_camera) for p in placements}
         places = self.bodies | {"": Body("", self.model, self.data)}
         self._controllers = [(each, ControllerIO(places[name], time_step)) for name, each in controllers]
-        self._initialized = False
+        self.initialized = False
         self.step = 0
-        self.snapshot = Latest(self._snap())
 
     @property
     def time(self) -> float:
-        """Simulated time since the start [s]."""
+        """Simulated time since the world was made [s]."""
         return self.step * self.time_step
 
-    def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to where the newest snapshot has them. Main thread.
+    def snapshot(self) -> Snapshot:
+        """Copy the state, as the thread that steps sees it."""
+        return Snapshot(self.time, self.data.qpos.copy())
 
-        Args:
-            bodies: displayed bodies; those that are not simulated stay as they are.
+    def initialize(self, run: Run) -> None:
+        """Initialize every controller, unless that is done. If one fails, stop those that are ready.
 
-        Returns:
-            The simulated time that they show now [s].
+        Raises:
+            ControllerError: a controller raised an exception.
         """
-        snapshot = self.snapshot.get()
-        for body in bodies:
-            simulated = self.bodies.get(body.name)
-            if simulated is not None and len(body.qpos):
-                body.qpos[:] = snapshot.qpos[simulated.qpos_slice]
-                body.calc_forward_kinematics()
-                body.notify_change()
-        return snapshot.time
-
-    def _initialize(self, run: Run) -> None:
-        """Initialize every controller, once until they are stopped. If one fails, stop those that are ready."""
-        if self._initialized:
+        if self.initialized:
             return
         mujoco.mj_forward(self.model, self.data)
         ready: list[SimpleController] = []
@@ -163,14 +161,21 @@ class SteppedWorld:
                     return
                 ready.append(controller)
         except BaseException as error:
-            failed = self._controller_error(run, error)
-            self._stop_each(run, ready)
+            failed = self.controller_error(run, error)
+            self.stop_controllers(run, ready)
             raise failed from error
         run.controller = None
-        self._initialized = True
+        self.initialized = True
 
-    def _run_steps(self, run: Run, count: int) -> bool:
-        """Ask every controller and let MuJoCo step, so many times. False if the run is to end before."""
+    def run_steps(self, run: Run, count: int) -> bool:
+        """Call every controller and let MuJoCo step, so many times.
+
+        Returns:
+            Whether all steps were made; False if the run was asked to end before.
+
+        Raises:
+            ControllerError: a controller raised an exception.
+        """
         model, data, mj_step = self.model, self.data, mujoco.mj_step
         run.laps += 1
         try:
@@ -189,14 +194,25 @@ class SteppedWorld:
         except BaseException as error:
             if run.controller is None and not isinstance(error, Exception):
                 raise  # the reader's Ctrl-C, between two controllers
-            raise self._controller_error(run, error) from error
+            raise self.controller_error(run, error) from error
         return True
 
-    def _stop_each(self, run: Run, controllers: Iterable[SimpleController]) -> ControllerError | None:
-        """Stop one controller after the other. One that fails is logged, and holds up none of the others.
+    def dismiss(self) -> list[SimpleController]:
+        """Return the controllers, for the caller to stop. They are initialized again before the next step."""
+        self.initialized = False
+        return [controller for controller, _ in self._controllers]
+
+    def release(self, body: str) -> list[SimpleController]:
+        """Return a body's controllers, for the caller to stop, and never call them again."""
+        leaving = [controller for controller, io in self._controllers if io.body.name == body]
+        self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
+        return leaving
+
+    def stop_controllers(self, run: Run, controllers: Iterable[SimpleController]) -> ControllerError | None:
+        """Stop one controller after the other. One that fails is logged and does not keep the next from stopping.
 
         Returns:
-            What the last of them that failed raised.
+            The error of the last one that failed.
         """
         failed = None
         for controller in controllers:
@@ -204,16 +220,13 @@ class SteppedWorld:
             try:
                 controller.stop()
             except BaseException as error:  # noqa: BLE001 - whatever it is, the others still have to stop
-                failed = self._controller_error(run, error)
+                failed = self.controller_error(run, error)
                 _log.error("%s", failed, exc_info=error)
             if run.abandoned:
                 break
         return failed
 
-    def _controller_error(self, run: Run, error: BaseException) -> ControllerError:
-        """Say which controller failed, when, and in which line."""
+    def controller_error(self, run: Run, error: BaseException) -> ControllerError:
+        """Describe which controller failed, when, and in which line."""
         name, file = run.at_work()
         return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {tell(error, file)}")
-
-    def _snap(self) -> Snapshot:
-        return Snapshot(self.time, self.data.qpos.copy())

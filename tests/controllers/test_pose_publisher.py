@@ -26,7 +26,7 @@ def test_it_says_50_times_a_second_twice_where_the_root_is_and_how_it_moves():
     placements = [item.placement for item in Project.load(find_project("step7")).bodies]
     node, simulation = on_course(PosePublisher(), placements, time_step=0.002, controllers=[Tracks()])
     simulation.advance(1.02)
-    data = copy(simulation.data)
+    data = copy(simulation.world.data)
     simulation.advance(0.002)
     assert node.types == {"/tf": TFMessage, "Tank/odom": Odometry}
     messages = node.sent["Tank/odom"]

@@ -29,7 +29,7 @@ class Drive(Simulation):
         self.controller = TankController()
         self.controller.joy = Latest(Joy())
         super().__init__([Placement("Labo", MODELS / "labo.xml"), tank, *more], [("Tank", self.controller)])
-        self.chassis = self.data.body("Tank/CHASSIS")
+        self.chassis = self.world.data.body("Tank/CHASSIS")
         self.turret = self.bodies["Tank"].joint("TURRET_Y"), self.bodies["Tank"].joint("TURRET_P")
         self.steepest = 0.0
 
@@ -110,7 +110,7 @@ def test_straight(v):
     drive.drive(2, v=v)
     forward, sideways, _ = drive.position - before
     assert abs(sideways) < 0.02 * abs(forward)
-    assert drive.data.qvel[0] == pytest.approx(2 * v, rel=0.03)
+    assert drive.world.data.qvel[0] == pytest.approx(2 * v, rel=0.03)
     assert abs(forward) > 0.85 * abs(2 * v) * 2
 
 
@@ -119,7 +119,7 @@ def test_on_the_spot(h):
     drive = Drive().drive(0.3)
     before = drive.position
     headings = [drive.heading, *(drive.drive(0.1, h=h).heading for _ in range(20))]
-    np.testing.assert_allclose(drive.data.sensor("Tank/GYRO").data, drive.data.qvel[3:6], atol=0.01)
+    np.testing.assert_allclose(drive.world.data.sensor("Tank/GYRO").data, drive.world.data.qvel[3:6], atol=0.01)
     turned = np.unwrap(headings)[-1] - headings[0]
     assert np.linalg.norm((drive.position - before)[:2]) < 0.1
     assert turned * h > 0, "positive h is to the left"
@@ -175,7 +175,7 @@ def test_straight_ahead_from_the_start_the_rail_lifts_the_barrel(v):
 def test_a_minute_of_random_driving():
     drive = Drive()
     random = np.random.default_rng(7)
-    model, data = drive.model, drive.data
+    model, data = drive.model, drive.world.data
     for _ in range(150):
         v, h = random.uniform(-1, 1, 2)
         data.ctrl[:] = 2 * v - h, 2 * v + h, random.uniform(-20, 20), random.uniform(-3, 7)

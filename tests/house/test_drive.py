@@ -83,7 +83,7 @@ def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):
     for axes in drive:
         controller.on_joy(Joy(axes=axes))
         simulation.advance(0.02)
-    assert np.abs(simulation.data.qpos - seen["qpos"]).max() < 1e-6
+    assert np.abs(simulation.world.data.qpos - seen["qpos"]).max() < 1e-6
     tank = simulation.bodies["Tank"]
     assert tank.position[0] < -2.2
     assert tank.joint("TURRET_Y").position < -0.5

@@ -57,7 +57,7 @@ def follow():
     return [*pose, *target, *(target + arm)]
 
 def touching():
-    model, data = program.simulation.model, program.simulation.data
+    model, data = program.simulation.model, program.simulation.world.data
     return ["Labo/RAIL", "Tank/BARREL"] in [sorted(model.geom(g).name for g in pair) for pair in data.contact.geom]
 
 async def take(stick, seconds):

@@ -27,7 +27,7 @@ class Stage:
         self.body = self.simulation.bodies["Eye"]
 
     def move(self, aside):
-        self.simulation.data.qpos[0] = aside
+        self.simulation.world.data.qpos[0] = aside
 
 
 def elsewhere(function, *args):
