@@ -274,7 +274,7 @@ async def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(han
 
     def look(_):
         if there.is_set():
-            monkeypatch.setattr("tutorial.host.HUNG", 0.05)
+            monkeypatch.setattr("tutorial.program_run.HUNG", 0.05)
 
     async with Host(project) as host:
         with pytest.raises(ControllerError, match="Hangs does not return"):
@@ -453,8 +453,8 @@ async def live_through(seed, model):
 
 @pytest.mark.parametrize("tens", range(20))
 def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
-    for name in ("tutorial.simulation.STUCK", "tutorial.host.HUNG", "tutorial.ros.node_thread.SpinThread.patience"):
-        monkeypatch.setattr(name, 0.05)
+    for name in ("simulation.STUCK", "program_run.HUNG", "ros.node_thread.SpinThread.patience"):
+        monkeypatch.setattr(f"tutorial.{name}", 0.05)
     model = tmp_path / "box.xml"  # the smallest one that something can be done with: it is quickly loaded
     model.write_text("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody></mujoco>")
     before = threads()

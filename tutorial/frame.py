@@ -1,0 +1,47 @@
+"""One frame of a program's view: its bodies as they are now, and the line below them."""
+
+from collections.abc import Mapping
+
+from tutorial.errors import TutorialError
+from tutorial.item import Item
+from tutorial.view.bodies import View
+
+FEW = 3  # bodies that have a line each
+
+
+def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseException | None) -> None:
+    """Draw the bodies that have changed, and write the line below the view.
+
+    Args:
+        view: where to draw. The bodies were added to it.
+        items: the bodies by name.
+        note: what comes first in the line, if anything.
+        error: what has failed last; None if nothing has.
+    """
+    for name, item in items.items():
+        if item.take_dirty():
+            view.update(name, item.body.data)
+        view.show_stale(name, item.joints.stale())
+    lines, readings = _describe_bodies(view, items)
+    view.line("  |  ".join(filter(None, (note, _describe_error(error), *lines))), readings)
+    view.flush()
+
+
+def _describe_error(error: BaseException | None) -> str:
+    if error is None:
+        return ""
+    return str(error) if isinstance(error, TutorialError) else f"{type(error).__name__}: {error}"
+
+
+def _describe_bodies(view: View, items: Mapping[str, Item]) -> tuple[list[str], list[tuple[str, ...]]]:
+    """Return a line about each body's messages, and rows of what its sensors have measured.
+
+    For more than `FEW` bodies, return how many are in order, and a line for each of the first few that are not.
+    """
+    watches = [item.joints for item in items.values()]
+    fleet = [watch for watch in watches if watch.meters or watch.in_order]
+    if len(fleet) <= FEW:
+        return [watch.line() for watch in watches], [row for name in items for row in view.readings(name)]
+    others = [watch for watch in fleet if not watch.in_order]
+    count = f"{len(fleet) - len(others)} of {len(fleet)} bodies follow their messages"
+    return [count, *(watch.line() for watch in others[:FEW])], []

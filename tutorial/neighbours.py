@@ -1,0 +1,49 @@
+"""What other programs in the same ROS domain do that gets in the way of this one."""
+
+import logging
+import time
+
+from tutorial.ros.clock_publisher import CLOCK_TOPIC
+from tutorial.ros.node_thread import NodeThread
+
+CHECK_EVERY = 1.0  # [s]
+SAME_NAME = (
+    "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
+    "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own"
+)
+SAME_CLOCK = (
+    "there are %d publishers on /clock, so simulated time jumps for every node that uses it. Let one program publish "
+    "it: leave 'clock: true' out of the other's project, or give it a ROS_DOMAIN_ID of its own"
+)
+
+_log = logging.getLogger(__name__)
+
+
+class Neighbours:
+    """Warns when another node has this program's name, and when another program publishes its clock.
+
+    Args:
+        ros: the thread of the program's node.
+        publishes_clock: whether the program publishes simulated time.
+    """
+
+    def __init__(self, ros: NodeThread, publishes_clock: bool) -> None:
+        self._ros = ros
+        self._publishes_clock = publishes_clock
+        self._checked_at = 0.0
+        self._counts: dict[str, int] = {}  # the last one for each warning's text
+
+    def check(self) -> None:
+        """Count nodes and publishers, at most once every second, and warn whenever there are more than before."""
+        if time.monotonic() - self._checked_at < CHECK_EVERY:
+            return
+        self._checked_at = time.monotonic()
+        node = self._ros.node
+        self._warn(SAME_NAME, self._ros.namesakes(), node.get_fully_qualified_name(), node.get_name())
+        if self._publishes_clock:
+            self._warn(SAME_CLOCK, node.count_publishers(CLOCK_TOPIC))
+
+    def _warn(self, text: str, count: int, *names: str) -> None:
+        if count > max(self._counts.get(text, 1), 1):
+            _log.warning(text, count, *names)
+        self._counts[text] = count
