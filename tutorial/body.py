@@ -345,10 +345,11 @@ class Body:
         mujoco.mj_kinematics(self.model, self.data)
 
     def notify_change(self, report: JointReport | None = None) -> None:
-        """Tell whoever displays the body that it has changed.
+        """Call everything that was registered with `on_change`, so that the view shows the change.
 
         Args:
-            report: what joint matching made of the message that changed it, if one did.
+            report: of the message that changed the body, from joint matching; None for a change without a message. The
+                body only hands it on: the controller that has the report knows the body, and nobody who takes reports.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):

@@ -1,4 +1,4 @@
-"""An item of a running program: a displayed body with its controllers, and what is known of its messages."""
+"""An item of a running program: a displayed body with its controllers, and how its messages are."""
 
 import logging
 import time
@@ -13,19 +13,19 @@ from tutorial.joints import Arrival, JointReport
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages, and two looks at who else publishes
-STALE_AFTER = 1.0  # [s] without a word of a joint, after which it is shown as stale
-CONTESTED_FOR = 2.0  # [s] after the last message of another publisher, in which that is said below the view
-NAMED = 3  # of stale joints, or nodes; the others are counted
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages, and two queries of who else publishes
+STALE_AFTER = 1.0  # [s] without a position of a joint, after which it is shown as stale
+CONTESTED_FOR = 2.0  # [s] for which the line below the view names another publisher after its last message
+NAMED = 3  # stale joints, or nodes; the rest are counted
 LONGEST_NAME = 60  # characters of a node's name
 
 _log = logging.getLogger(__name__)
 
 
 class JointWatch:
-    """Knows of the joint states that move one body: how many there were, what was wrong, and who else publishes.
+    """Watches the joint states that move one body: how many there are, what is wrong with them, and who else publishes.
 
-    It belongs to the main thread.
+    It takes the report of every change of the body. It belongs to the main thread.
 
     Args:
         body: the displayed body.
@@ -33,8 +33,8 @@ class JointWatch:
 
     Attributes:
         meters: of the subscriptions that bring it joint states.
-        applied: how many messages it was moved by.
-        tally: the counts of all reports, and of the messages that were dropped, summed up.
+        applied: how many messages have moved the body.
+        tally: the sums of the counts in all reports.
     """
 
     def __init__(self, body: Body, node: MeteredNode) -> None:
@@ -50,9 +50,12 @@ class JointWatch:
         self._contested_at = -CONTESTED_FOR  # when a message of another publisher came last
         self._asked_at = -COMPLAIN_EVERY
         self._publishers = ""  # who they are, in words
+        body.on_change(self.take)
 
-    def take(self, report: JointReport) -> None:
-        """Note what was made of one message."""
+    def take(self, report: JointReport | None) -> None:
+        """Take what joint matching reports of one message; None, of a change without a message, counts for nothing."""
+        if report is None:
+            return
         self.tally.update(report.counts())
         if report.arrival is Arrival.ANOTHER:
             self._ask_who_publishes()
@@ -70,7 +73,7 @@ class JointWatch:
             _log.warning("%s: %s", self._body.name, report)
 
     def stale(self) -> dict[str, int]:
-        """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message.
+        """Return the joints without a position for a while, and for how long [s]; empty before the first message.
 
         Joints that follow another joint are left out.
         """
@@ -80,11 +83,11 @@ class JointWatch:
 
     @property
     def in_order(self) -> bool:
-        """Whether messages of one publisher go on coming, for all joints, and nothing was wrong with the last."""
+        """Whether one publisher keeps sending messages for all joints, and nothing was wrong with the last one."""
         return self._report is not None and self._report.clean and not self._contested() and not self.stale()
 
     def line(self) -> str:
-        """What stands below the view: the last report, who else publishes, stale joints, and the age of the report."""
+        """Write the line below the view: the last report, who else publishes, stale joints, and the report's age."""
         if self._report is None:
             return f"{self._body.name}: {self._nothing_yet()}" if self.meters else ""
         stale = _some([f"{joint}: nothing for {age} s" for joint, age in self.stale().items()])
@@ -92,14 +95,14 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Say whether nothing has come, or nothing of it was shown: a controller may wait for more."""
+        """Tell apart whether nothing has come, or nothing that has come was shown: a controller may wait for more."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"nothing of what has come on {topic} could be shown yet"
         return f"nothing has come on {topic} yet"
 
     def _contested(self) -> str:
-        """Say who publishes; empty when nothing of another publisher has come for a while."""
+        """Name the publishers; empty if no message of another publisher has come for a while."""
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
     def _say_what_does_not_follow(self, report: JointReport) -> None:
@@ -113,7 +116,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Note a message of another publisher, and ask now and then who publishes; a change is logged."""
+        """Note a message of another publisher. Now and then, look up who publishes, and log a change."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return
@@ -139,7 +142,7 @@ class Item:
     Attributes:
         body: the displayed body.
         controllers: those that have joined it.
-        joints: what is known of its joint states.
+        joints: watches its joint states.
         failed: whether a controller has failed to leave it.
 
     Raises:
@@ -149,13 +152,13 @@ class Item:
     def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue) -> None:
         self.body = Body.displayed(placement)
         self.controllers: list[SimpleController] = []
+        self.body.on_change(self._mark_dirty)
         self.joints = JointWatch(self.body, node)
         self.failed = False
         self._node = node
         self._calls = calls
         self._scopes: list[CallScope] = []
         self._dirty = True
-        self.body.on_change(self._changed)
 
     def attach(self, controller_class: type[SimpleController]) -> None:
         """Make a controller and have it join the body.
@@ -177,12 +180,12 @@ class Item:
         self.joints.meters += [meter for meter in self._node.meters[before:] if meter.brings_joint_states]
 
     def take_dirty(self) -> bool:
-        """Whether the body has changed since this was last asked."""
+        """Return whether the body has changed since the last call."""
         dirty, self._dirty = self._dirty, False
         return dirty
 
     def close(self) -> None:
-        """Have the controllers leave the body: first what they have posted is dropped, then they unsubscribe."""
+        """Have the controllers leave the body. What they have posted is dropped first, then they unsubscribe."""
         for scope in self._scopes:
             scope.close()
         while self.controllers:
@@ -193,11 +196,8 @@ class Item:
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
                 self.failed = True
 
-    def _changed(self, report: JointReport | None) -> None:
-        """Note that the body is to be drawn, and what its message was like."""
+    def _mark_dirty(self, _: JointReport | None) -> None:
         self._dirty = True
-        if report is not None:
-            self.joints.take(report)
 
 
 def _some(names: list[str]) -> str:
