@@ -7,18 +7,15 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from tutorial.body import Body, FindCamera
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError, file_of, tell
 from tutorial.world import Placement, compose
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 POLL_EVERY = 0.001  # [s] while another thread waits for a run's next lap
 _log = logging.getLogger(__name__)
