@@ -1,4 +1,4 @@
-"""One frame of a program's view: its bodies as they are now, and the line below them."""
+"""One frame of a program's view: the bodies, and the line below them."""
 
 from collections.abc import Mapping
 

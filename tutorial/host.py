@@ -104,8 +104,8 @@ class Host(AbstractAsyncContextManager["Host"]):
 
         Args:
             duration: how long [s], in simulated time where the project simulates; None to go on until cancelled.
-            linger: after its duration, a program that displays waits at most so long [s] for those who publish to it
-                to go, and for what they have sent to be shown.
+            linger: the longest wait after the duration [s], where the program only displays: for the publishers to go
+                and their messages to be shown.
             progress: called with the seconds that have passed, about as often as a frame is drawn.
 
         Raises:
@@ -165,10 +165,10 @@ class Host(AbstractAsyncContextManager["Host"]):
     def remove(self, name: str) -> None:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
 
-        This forgets what has failed so far, because the next body to be shown may be without the fault.
+        This forgets earlier errors, because the next body may be without the fault.
 
         Raises:
-            ControllerError: a controller does not return; the body is gone nevertheless.
+            ControllerError: a controller does not return; the body is removed all the same.
             TutorialError: there is no such body.
         """
         if name not in self._items:

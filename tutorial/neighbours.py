@@ -1,4 +1,4 @@
-"""What other programs in the same ROS domain do that gets in the way of this one."""
+"""Warnings about other programs in the same ROS domain that get in the way of this one."""
 
 import logging
 import time

@@ -9,8 +9,8 @@ from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
 FRAME = 1 / 30  # [s] between two frames of the view, and two checks whether a run is over
-HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
-QUIET = 0.3  # [s] without a message, after which no more messages are expected
+HUNG = 5.0  # [s] without a step, before a run that has a duration is given up
+QUIET = 0.3  # [s] of silence after which no more messages are expected
 
 _log = logging.getLogger(__name__)
 
@@ -21,7 +21,7 @@ class SimulatedRun:
 
     Args:
         simulation: what runs.
-        has_duration: whether it stops by itself. Then it is stopped, too, when no steps are made any more.
+        has_duration: whether it should stop by itself. If it does not step any more, the run stops it.
     """
 
     simulation: Simulation
@@ -47,8 +47,7 @@ class DisplayedRun:
         node: the program's node.
         calls: the main thread's queue of posted calls.
         duration: [s]; None to go on.
-        linger: after the duration, wait at most so long [s] for the publishers to go, and for what they have sent to be
-            shown.
+        linger: the longest wait after the duration [s], for the publishers to go and their messages to be shown.
 
     Attributes:
         seconds: how long it has gone on [s].
@@ -69,7 +68,7 @@ class DisplayedRun:
         return self.seconds >= self.duration + self.linger or self._is_drained()
 
     def _is_drained(self) -> bool:
-        """Return whether the publishers have come and gone, and everything that they sent has been shown."""
+        """Return whether the publishers have come and gone, and all their messages are shown."""
         received = [meter for meter in self.node.meters if meter.direction == "received"]
         return (
             not any(self.node.count_publishers(meter.topic) for meter in received)

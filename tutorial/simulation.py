@@ -27,12 +27,12 @@ _log = logging.getLogger(__name__)
 
 
 class State(Enum):
-    """What a simulation does. `Simulation` has a table of how it comes from one state to another."""
+    """The state of a `Simulation`, which has a table of the events that lead from one to the next."""
 
-    IDLE = "idle"  #: nothing; it can be stepped
-    RUNNING = "running"  #: it is being stepped, on its own thread or by `Simulation.advance`
-    FAILED = "failed"  #: nothing, because a controller raised: `Simulation.error`. It can be stepped again
-    ABANDONED = "abandoned"  #: nothing ever again: a controller does not return, and may still touch what it was given
+    IDLE = "idle"  #: it stands still, and can be stepped
+    RUNNING = "running"  #: a thread steps it: its own, or the one that called `Simulation.advance`
+    FAILED = "failed"  #: it stands still because a controller raised `Simulation.error`, and can be stepped again
+    ABANDONED = "abandoned"  #: it stands still for good: a controller does not return, and may still touch its body
 
 
 class Simulation:
@@ -42,8 +42,8 @@ class Simulation:
     `stop`. Controllers see only the simulated copy of their bodies, through the `ControllerIO` that they are
     initialized with. Any thread may call the methods, but no controller may.
 
-    Whatever a controller raises becomes a `ControllerError`, also where it wants to end the program. The simulation
-    waits a few seconds for one that does not return; then it is abandoned, and nobody touches it any more:
+    Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
+    a few seconds of `stop` or `release`, the simulation is abandoned, and nobody touches it any more:
 
     =========  ==============  ===========  ===================  ============================
     state      start, advance  run is over  a controller raises  a controller does not return
@@ -63,10 +63,10 @@ class Simulation:
     Attributes:
         world: what is stepped; only the thread that steps it may touch it while the simulation is running.
         bodies, model, time_step: those of the world.
-        snapshot: the newest state to be shown.
-        state: what the simulation does now.
-        error: what a controller raised last, since the last start; None when none did.
-        rest: between two batches of steps in real time [s]. Longer batches take less of the processor.
+        snapshot: the newest state that other threads may take.
+        state: the state now.
+        error: the last error of a controller since the last start; None without one.
+        rest: the pause between two batches of steps in real time [s]. A longer one takes less of the processor.
 
     Raises:
         TutorialError: the bodies do not make a world.
@@ -100,17 +100,17 @@ class Simulation:
 
     @property
     def running(self) -> bool:
-        """Whether it is being stepped."""
+        """Whether a thread steps it."""
         return self.state is State.RUNNING
 
     @property
     def step(self) -> int:
-        """How many steps have been simulated since the simulation was made."""
+        """The number of simulated steps."""
         return self.world.step
 
     @property
     def time(self) -> float:
-        """Simulated time since the simulation was made [s]."""
+        """Simulated time [s]."""
         return self.world.time
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
@@ -178,7 +178,7 @@ class Simulation:
             run.thread.start()
 
     def stop(self) -> None:
-        """End the run and stop the controllers. Idempotent. What was simulated stays.
+        """End the run and stop the controllers. Idempotent. The world stays as it is.
 
         A controller that does not return keeps its thread, which then ends with the process: `error` says where it is.
         """
@@ -227,7 +227,7 @@ class Simulation:
         if self.running:
             raise TutorialError(otherwise)
 
-    # The events, in the order of the table's columns. Nothing else changes the state.
+    # The events, in the order of the table's columns. Only these methods change the state.
 
     def _begin(self, run: Run) -> None:
         """Go to RUNNING: a run begins."""
@@ -274,7 +274,7 @@ class Simulation:
             run.thread.join(STUCK)  # it has nothing more to do
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
-        """Stop controllers on a thread that can be given up, as any of them may block it."""
+        """Stop controllers on a thread of their own, which can be given up if one of them does not return."""
         self._stopping = Run.on_own_thread(
             lambda run: self._end_stopping(run, self.world.stop_controllers(run, controllers))
         )

@@ -94,12 +94,12 @@ class Run:
 class SteppedWorld:
     """Some bodies in one MuJoCo world, and the controllers that move them.
 
-    One thread at a time may initialize or step it. Each method that calls controllers is given the caller's `Run`: it
-    notes there which controller it calls, and returns early when the run is abandoned.
+    One thread at a time may initialize or step it. Methods that call controllers take the caller's `Run`, note in it
+    which controller they call, and return early once it is abandoned.
 
     Args:
         placements: the bodies.
-        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are called.
+        controllers: pairs of a body's name ("" for the world) and a controller, in the order of the calls.
         time_step: [s].
         find_camera: what finds a camera of a simulated body, see `Body`; None for a world without pictures.
 
@@ -108,7 +108,7 @@ class SteppedWorld:
         data: its state; it belongs to the thread that steps.
         time_step: as given.
         bodies: the simulated bodies by name.
-        step: how many steps have been simulated since the world was made.
+        step: the number of simulated steps.
         initialized: whether the controllers have been initialized, and not dismissed since.
 
     Raises:
@@ -133,7 +133,7 @@ class SteppedWorld:
 
     @property
     def time(self) -> float:
-        """Simulated time since the world was made [s]."""
+        """Simulated time [s]."""
         return self.step * self.time_step
 
     def snapshot(self) -> Snapshot:
@@ -168,7 +168,7 @@ class SteppedWorld:
         """Call every controller and let MuJoCo step, so many times.
 
         Returns:
-            Whether all steps were made; False if the run was asked to end before.
+            True after all steps; False if the run had to end before.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -224,6 +224,6 @@ class SteppedWorld:
         return failed
 
     def controller_error(self, run: Run, error: BaseException) -> ControllerError:
-        """Describe which controller failed, when, and in which line."""
+        """Name the controller that failed, the time, and the line."""
         name, file = run.at_work()
         return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {tell(error, file)}")
