@@ -276,7 +276,11 @@ CASES = [
                 "down too early. Cancel it, and start a new one of 0.5 s.",
                 replace("timer.cancel()", "timer.when()")),
         Mistake("you lift the body again while it is up. Only start the timer again: position and height stay.",
-                replace("self.land()", "self.land")),
+                replace("self.land()", "self.land")
+                + both(replace("self.land()", "up = bool(self.timer) and not self.timer.cancel()"),
+                       replace("self.place = self.body.position",
+                               "self.place = self.place if up else self.body.position"),
+                       replace("x, y, z = self.place", "x, y, z = self.body.position"))),
         Mistake("you note the position while the body is up, so it is "
                 "put back up there. Note it only if the body is down.",
                 both(replace("self.land()", "up = bool(self.timer) and not self.timer.cancel()"),

@@ -153,6 +153,11 @@ OWN = [
     Case("a message that comes while another is drawn", steps(in_any_order),
          "You probably clear the flag of a waiting call too late, or keep a message in several "
          "parts. Pass the whole message with the call, and leave the rest to call_latest.", mistakes=[
+        Mistake("you don't set the positions: self.body.set_joint_positions(positions).",
+                replace("self.body.set_joint_positions(positions)", "pass")),
+        Mistake("you convert the positions. Pass them on unchanged: they are in rad on both sides.",
+                replace("positions(positions)",
+                        "positions({name: degrees(position) for name, position in positions.items()})")),
         Mistake("you clear the flag of a waiting call after you take the message, "
                 "so one that comes in between gets no call. Clear it first.",
                 both(replace("self.node = config.node", "self.node, self.busy = config.node, False"),

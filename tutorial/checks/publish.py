@@ -114,6 +114,12 @@ MISTAKES = [
                          "message.velocity = list((a - b) / 0.04 for a, b in zip(message.position, self.before))"),
                  replace("self.publisher.publish(message)",
                          "self.before = message.position\nself.publisher.publish(message)"))),
+    Mistake("you put milliseconds or microseconds into nanosec. "
+            "Time(nanoseconds=self.io.time_ns).to_msg() computes both parts.",
+            both(replace("Time(nanoseconds=self.io.time_ns).to_msg()",
+                         "Time(nanoseconds=self.io.time_ns//10**9*10**9 + NANOSEC).to_msg()"),
+                 replace("NANOSEC", "self.io.time_ns%10**9//10**6", "self.io.time_ns%10**9//10**3",
+                         "self.io.time_ns//10**6"))),
 ]  # fmt: skip
 MEANING = f"Most likely {MISTAKES[0].cause}"
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}

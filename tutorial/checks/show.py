@@ -36,6 +36,7 @@ from tutorial.checks.engine.viewer import Viewer
 from tutorial.checks.engine.viewing import (
     MISSING_CALLS,
     MOVES,
+    NOT_POSTED,
     POST,
     Step,
     hands_over,
@@ -140,12 +141,12 @@ def first_cases(post: str) -> list[Case]:
         post: the solution's statement that posts.
     """
     return [
-        Case("messages come", steps(hands_over(*MESSAGES)), mistakes=[
+        Case("messages come", steps(hands_over(*MESSAGES)), NOT_POSTED.format(post), mistakes=[
             Mistake("you skip a message that repeats the one before. Post a "
                     "call for each one: a robot at rest sends equal messages.",
                     replace(post,
-                            'if message.position == getattr(self, "before", None): return\n'
-                            f"self.before = message.position\n{post}"))]),
+                            'if message.position == getattr(self, "before", None): '
+                            f"return\nself.before = message.position\n{post}"))]),
         Case("a message", steps(state("Y P", (0.1, 0.2)), Viewer.where),
              "You probably don't set the positions, or change them on "
              "the way: self.body.set_joint_positions(positions), in rad.", mistakes=[

@@ -91,10 +91,9 @@ MISTAKES = [
                     "turned(stamped.transform.rotation, np.array(point) +")),
     Mistake("you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
-                    "[t.x, t.y, t.z])\npoint = np.round(point, 2)")),
-    Mistake("you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.",
-            replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",
-                    "return np.round(point, 1)")),
+                    "[t.x, t.y, t.z])\npoint = np.round(point, 2)")
+            + replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",
+                      "return np.round(point, 1)")),
     Mistake("you return nothing if the list is empty: return the point unchanged then.",
             replace("return point", "return point if transforms else None")),
 ]  # fmt: skip

@@ -104,7 +104,7 @@ WRONG = [
     (SetsPosition, "set the result as joint.position"),
     (TypedRange, "fixed ends of the range"),
     (PerMillisecond, "a fixed time step"),
-    (ByTheClock, "the computer's clock is asked"),
+    (ByTheClock, "the computer's clock"),
     (OneByOne, "add the torque to the last one with +="),
     (AddsTwice, "add the torque to the last one with +="),
     (UpOrDown, "only the sign of the stick"),

@@ -68,5 +68,5 @@ WRONG = [
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["copy all axes, or go through all"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
     (filters_all, ["leave out a bad axis", "copy all axes, or go through all"]),
-    (sleeps, ["sleeps"]),
+    (sleeps, ["Don't sleep"]),
 ]

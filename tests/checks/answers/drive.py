@@ -118,10 +118,10 @@ METHODS = [
     ({"on_joy": throttle}, "skip messages by time"),
     ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["rest, so the tank drives on"]),
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "set self.track_l.ctrl, not self.track_l"),
-    ({"configure": subscribes_first}, "the subscription is created before what its callback uses"),
-    ({"configure": other_type}, ["another topic or type", "is read before anything"]),
+    ({"configure": subscribes_first}, "create the subscription before what its callback uses"),
+    ({"configure": other_type}, ["another topic or type", "read it before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
-    ({"unconfigure": lambda self: self.node.destroy_node()}, "unconfigure destroys only the subscription"),
+    ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure destroy only the subscription"),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]
 WRONG += [(OfTankController, "the turret or the barrel, too")]

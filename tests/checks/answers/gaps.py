@@ -78,5 +78,5 @@ WRONG = [
     (neighbours_of_some, [LAST, EMPTY]),
     (own_words, ['The only words are "gap" and "restart".']),
     (once, ["you leave out what equals an earlier gap or restart"]),
-    (kept_newest, ["newest_of_all is kept from call to call"]),
+    (kept_newest, ["You keep newest_of_all from call to call"]),
 ]

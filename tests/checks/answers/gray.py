@@ -81,7 +81,7 @@ class OnlyNews(GrayPublisher):
 
 
 WRONG = [
-    (AtOnce, "give it without parentheses, self.publish"),
+    (AtOnce, "Pass it without parentheses: self.publish"),
     (Squared, "Compare your bytes with array('B'"),
     (OnlyNews, "you leave out a picture that equals an earlier one"),
 ]

@@ -94,6 +94,6 @@ class AddsUpForever(GyroPublisher):
 
 WRONG = [
     (AddsUpForever, "set sum and count to 0"),
-    (OnItsOwnThread, "a timer or a thread publishes"),
+    (OnItsOwnThread, "publish from a timer or a thread"),
     (AnotherFrame, "leave out the name of the body or the sensor"),
 ]

@@ -97,8 +97,8 @@ WRONG = [
     (changed(land=lambda self: time.monotonic()), "does not put the body back"),
     (changed(update=posts_after_seconds), "config.call_later takes no seconds"),
     (changed(update=never_awaited), "Write def, not async def"),
-    (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "parentheses call"),
-    (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "Mend this line first"),
+    (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "with parentheses"),
+    (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "Fix this line first"),
     (changed(__setattr__=lambda self, *each: setattr(type(self), *each)), "is shared by all objects of the class"),
     (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "another thread than"),
 ]

@@ -77,9 +77,9 @@ class OnlyNews(SlowPublisher):
 WRONG = [
     (OnlyNews, "you publish nothing while the robot rests"),
     (type("A", (SlowPublisher,), {"unconfigure": lambda a: a.node.destroy_subscription(a.publisher)}), "destroy_publ"),
-    (WithASlash, "no slash in front"),
-    (MakesTwo, "one is made at every start, or by super().configure(config), too"),
-    (DestroysInStop, "stop destroys what configure has made"),
-    (ByATimer, "a timer or a thread publishes"),
-    (OneForEachJoint, "each joint has a message of its own"),
+    (WithASlash, "without a slash in front"),
+    (MakesTwo, "You probably make one at every start"),
+    (DestroysInStop, "destroy it in stop"),
+    (ByATimer, "publish from a timer or a thread"),
+    (OneForEachJoint, "a message for each joint"),
 ]

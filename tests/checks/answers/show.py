@@ -83,12 +83,12 @@ def skips_equal(self, message):
 
 WRONG = [
     (changed(on_joint_state=skips_equal), "you leave out a message that repeats"),
-    (changed(configure=subscribes_first), "the subscription is created before what its callback uses"),
+    (changed(configure=subscribes_first), "create the subscription before what its callback uses"),
     (changed(on_joint_state=lambda self, message: self.update(message)), "move the body in the callback"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "call it at once, with parentheses"),
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of your own"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
-    (changed(lock=threading.Lock(), **LOCKING), "Leave out what sleeps or waits"),
-    (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
+    (changed(lock=threading.Lock(), **LOCKING), "Don't sleep or wait"),
+    (changed(configure=calls_the_callback, on_joint_state=print), "Pass it without parentheses"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
 ]

@@ -68,7 +68,7 @@ class SinceTheLastCall(CommandTimeout):
 
 RIGHT = [Deadline, Identity]
 WRONG = [
-    (Shared, ["make it in __init__"]),
+    (Shared, ["in __init__"]),
     (SaysTheAge, ["Return True or False"]),
     (CountsSteps, ["you count calls"]),
     (KeepsACopy, ["keep no copy"]),

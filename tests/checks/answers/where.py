@@ -90,7 +90,7 @@ WRONG = [
     (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take a first transform for granted"),
     (lambda all_, point: where_is(all_, point) if all_ else None, "you return nothing if the list is empty"),
     (lambda transforms, point: where_is(transforms, point)[:2], "Return the three numbers x, y and z in a list"),
-    (overwrites, "make one of your own"),
+    (overwrites, "Copy it first"),
     (whole, "An array that is made of ints holds ints only"),
     (until_odom, "or a certain frame"),
     (wrong_matrix, "Turns about x, y and z come out right"),

@@ -16,8 +16,8 @@ def test_further_lines_are_indented():
 
 
 def test_ways():
-    mistake = Mistake("", both(replace("a", "b", "c"), replace("b", "d")))
-    assert [fault.made_in("a b") for fault in mistake.faults()] == ["d d", "c d"]
+    mistake = Mistake("", both(replace("a", "b", "c"), replace("b", "d")) + replace("b", "a"))
+    assert [fault.made_in("a b") for fault in mistake.faults()] == ["d d", "c d", "a a"]
 
 
 def test_a_mistake_needs_an_edit():

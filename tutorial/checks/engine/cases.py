@@ -97,7 +97,8 @@ class Mistake:
 
     Attributes:
         cause: what the learner reads after "Most likely". It says what is wrong, and then what to do.
-        ways: how the solution's source has to be edited for the same mistake, made with `replace` and `both`.
+        ways: how the solution's source has to be edited for the same mistake: `replace(...)`, `both(...)`, or several
+            of these with ``+`` in between.
 
     Raises:
         ValueError: there is no edit.
