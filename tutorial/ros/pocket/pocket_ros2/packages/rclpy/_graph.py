@@ -5,11 +5,11 @@ DDS knows participants, writers and readers, not nodes. In ROS 2 every participa
 """
 
 import ctypes
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar
 
 from cyclonedds import builtin
 from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState
@@ -36,6 +36,7 @@ LONGEST = 32_768
 """The longest announcement that is read [bytes]: some 100 nodes in one process, with all that they publish. That takes
 some 10 ms, or 40 where Python collects garbage meanwhile; whoever asks for nodes waits for two of them at most."""
 
+Entry = TypeVar("Entry")
 DiscoveredEndpoint = Any
 """A discovered writer or reader: its ``guid``, ``topic_name``, ``type_name``, and ``qos`` where that was asked for."""
 
@@ -130,11 +131,9 @@ class Graph:
         with lock:
             told = self.owners().keys() | {self.participant.guid.bytes, *self._remote}
             found = {endpoint.guid for kind in (PUBLISHERS, SUBSCRIPTIONS) for endpoint in self.endpoints(kind)}
-            for entry in self._listed(builtin.BuiltinTopicDcpsParticipant):
-                found.add(gid := ctypes.string_at(entry, 16))
-                if gid not in told and _is_ros(entry):
-                    return False
-            return not self._unread and told <= found
+            awaited = self._listed(builtin.BuiltinTopicDcpsParticipant, lambda entry: _gid(entry) not in told and _is_ros(entry))
+            found |= self._participants()
+            return not self._unread and not any(awaited) and told <= found
 
     def listen(self) -> None:
         """Take what the others have announced, and forget those that are gone: a killed process says no goodbye.
@@ -146,7 +145,7 @@ class Graph:
             for sample in self._reader.take(AT_ONCE):
                 if sample.sample_info.valid_data:
                     self._unread[sample.data[4:20]] = sample.data  # its first field, behind the header, is the gid
-            alive = {ctypes.string_at(entry, 16) for entry in self._listed(builtin.BuiltinTopicDcpsParticipant)}
+            alive = self._participants()
             self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
             self._unread = {gid: data for gid, data in self._unread.items() if gid in alive}
 
@@ -158,13 +157,15 @@ class Graph:
             wire_topic: its name in DDS.
             full: with their policies, which takes a tenth of a millisecond for each.
         """
-        found = []
-        for entry in self._listed(kind):
+
+        def read(entry: Any) -> DiscoveredEndpoint | None:
             topic, type_name = (ctypes.string_at(entry[i]).decode(errors="replace") for i in (TOPIC_NAME, TYPE_NAME))
-            if wire_topic in (None, topic):
-                guid, qos = ctypes.string_at(entry, 16), _CQos.cqos_to_qos(entry[QOS]) if full else None
-                found.append(SimpleNamespace(guid=guid, topic_name=topic, type_name=type_name, qos=qos))
-        return found
+            if wire_topic not in (None, topic):
+                return None
+            qos = _CQos.cqos_to_qos(entry[QOS]) if full else None
+            return SimpleNamespace(guid=_gid(entry), topic_name=topic, type_name=type_name, qos=qos)
+
+        return [endpoint for endpoint in self._listed(kind, read) if endpoint]
 
     def _announce(self) -> None:
         with suppress(DDSException):  # shut down at this moment: there is nobody to tell
@@ -184,12 +185,17 @@ class Graph:
             text = f"{self._ignored} announcements of nodes have been ignored. The last: {error}"
             self._logger.warning(text, throttle_duration_sec=10.0)
 
-    def _listed(self, topic: Any) -> Iterator[Any]:
-        """Go through what Cyclone DDS lists on one of its built-in topics; what it lends is gone when this has ended.
+    def _participants(self) -> set[bytes]:
+        """Return the identifiers of all participants that are alive."""
+        return set(self._listed(builtin.BuiltinTopicDcpsParticipant, _gid))
 
-        The reader lives only as long as the call, because what is gone would pile up in it. One call at a time in the
-        whole process, also because cyclonedds keeps the policies that it is converting in variables of a class. Its
-        own ``read`` converts the policies of all, whoever wants them, and makes of a Ctrl-C an error of its own.
+    def _listed(self, topic: Any, read: Callable[[Any], Entry]) -> list[Entry]:
+        """Return what ``read`` makes of each entry that Cyclone DDS lists on one of its built-in topics.
+
+        Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader lives only as long as the call,
+        because endpoints that are gone would pile up in it. One call at a time in the whole process, also because
+        cyclonedds keeps the policies that it is converting in variables of a class. Its own ``read`` converts the
+        policies of all entries, and turns a Ctrl-C into an error of its own.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()
@@ -198,7 +204,7 @@ class Graph:
             try:
                 alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
                 count = dds.dds_read(alive._ref, entries, infos, ctypes.c_size_t(MANY), ctypes.c_uint32(MANY))
-                yield from entries[: max(count, 0)]
+                return [read(entry) for entry in entries[: max(count, 0)]]
             finally:
                 dds.dds_return_loan(reader._ref, entries, count)
                 close(reader)
@@ -214,6 +220,11 @@ def _check_version() -> None:
             f"the nodes of others are read from structures of Cyclone DDS {MADE_FOR}x, and this is {found}, which may "
             "have others. Install the one that fits: pip install 'cyclonedds>=11,<12'."
         )
+
+
+def _gid(entry: Any) -> bytes:
+    """Return the identifier with which every listed entry begins."""
+    return ctypes.string_at(entry, 16)
 
 
 def _is_ros(entry: Any) -> bool:
