@@ -45,8 +45,8 @@ TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 """Where Cyclone DDS's ``dds_builtintopic_endpoint_t`` has these pointers [words of 8 bytes], behind two guids and a
 handle. What it lists of a participant begins with a guid, too, with these policies behind it."""
 PARTICIPANT_QOS = 2
-MADE_FOR = "11."
-"""The versions of the package cyclonedds in which all this is so."""
+MADE_FOR = "11.0.1"
+"""The version of the package cyclonedds in which these places were verified; the C API does not promise them."""
 
 _announced = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _WRITER_QOS, _base = (to_dds(_announced, ParticipantEntitiesInfo, writer=writer) for writer in (True, False))
@@ -64,7 +64,7 @@ class Graph:
         changes: what the executor waits on for :meth:`listen`.
 
     Raises:
-        RuntimeError: the package cyclonedds has another version than those that this module is made for.
+        RuntimeError: the package cyclonedds has another version than the verified one.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
@@ -215,10 +215,10 @@ def _check_version() -> None:
     from importlib.metadata import version  # noqa: PLC0415 - it takes 10 ms, which `import rclpy` need not
 
     found = version("cyclonedds")
-    if not found.startswith(MADE_FOR):
+    if found != MADE_FOR:
         raise RuntimeError(
-            f"the nodes of others are read from structures of Cyclone DDS {MADE_FOR}x, and this is {found}, which may "
-            "have others. Install the one that fits: pip install 'cyclonedds>=11,<12'."
+            f"the pocket ROS 2 reads structures of cyclonedds {MADE_FOR}, and version {found} is installed, in which they "
+            f"may differ. Install the version that it was verified with: pip install cyclonedds=={MADE_FOR}"
         )
 
 
