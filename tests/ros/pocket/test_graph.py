@@ -84,5 +84,5 @@ def test_another_cyclone_dds_is_refused_before_its_structures_are_read(version, 
     _graph._check_version()
     _graph._check_version.cache_clear()
     monkeypatch.setattr("importlib.metadata.version", lambda _: version)
-    with pytest.raises(RuntimeError, match=rf"version {version} is installed.* pip install cyclonedds==11\.0\.1$"):
+    with pytest.raises(RuntimeError, match=rf"installed version, {version}.* pip install cyclonedds==11\.0\.1$"):
         _graph._check_version()

@@ -131,9 +131,11 @@ class Graph:
         with lock:
             told = self.owners().keys() | {self.participant.guid.bytes, *self._remote}
             found = {endpoint.guid for kind in (PUBLISHERS, SUBSCRIPTIONS) for endpoint in self.endpoints(kind)}
-            awaited = self._listed(builtin.BuiltinTopicDcpsParticipant, lambda entry: _gid(entry) not in told and _is_ros(entry))
+            unknown = self._listed(
+                builtin.BuiltinTopicDcpsParticipant, lambda entry: _gid(entry) not in told and _is_ros(entry)
+            )
             found |= self._participants()
-            return not self._unread and not any(awaited) and told <= found
+            return not self._unread and not any(unknown) and told <= found
 
     def listen(self) -> None:
         """Take what the others have announced, and forget those that are gone: a killed process says no goodbye.
@@ -217,8 +219,8 @@ def _check_version() -> None:
     found = version("cyclonedds")
     if found != MADE_FOR:
         raise RuntimeError(
-            f"the pocket ROS 2 reads structures of cyclonedds {MADE_FOR}, and version {found} is installed, in which they "
-            f"may differ. Install the version that it was verified with: pip install cyclonedds=={MADE_FOR}"
+            f"the pocket ROS 2 reads structures of cyclonedds {MADE_FOR}, which may differ in the installed version, "
+            f"{found}. Install the version that it was verified with: pip install cyclonedds=={MADE_FOR}"
         )
 
 
