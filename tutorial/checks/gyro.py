@@ -124,6 +124,10 @@ MISTAKES = [
             replace("velocity.x, velocity.y, velocity.z =", "velocity.z, velocity.y, velocity.x =",
                     "velocity.y, velocity.x, velocity.z =", "velocity.x, velocity.z, velocity.y =",
                     "_, _, velocity.z =")),
+    Mistake("you stamp the middle of the interval that you average. "
+            "This exercise asks for the time at which you publish: self.io.time_ns.",
+            replace("Time(nanoseconds=self.io.time_ns)",
+                    "Time(nanoseconds=max(0, self.io.time_ns - round(len(self.samples) * self.io.time_step * 5e8)))")),
     Mistake("you use the frame of the chassis. The crane's sensor is at "
             "the tip of its jib: use the sensor's own frame, \".../GYRO\".",
             replace('{self.sensor.name}"', 'base_link"')),

@@ -61,6 +61,12 @@ MISTAKES = [
             replace("stamped.transform.rotation",
                     "(stamped.transform.rotation if stamped is transforms[-1] else Quaternion(w=1.0))",
                     "(stamped.transform.rotation if stamped is transforms[0] else Quaternion(w=1.0))")),
+    Mistake("you add the translations without a turn. Each one is measured in its own parent "
+            "frame, so the transforms before it turn it, too: turn and add in one loop.",
+            both(replace("for stamped", "moved = np.zeros(3)\nfor stamped"),
+                 replace("point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])",
+                         "point = turned(stamped.transform.rotation, point)\nmoved = moved + [t.x, t.y, t.z]"),
+                 replace("return point", "return point + moved"))),
     Mistake("you multiply the rotations in the wrong order: the outer one stands on the left, outer * inner.",
             both(replace("reversed(transforms):", "transforms:"),
                  replace("for stamped", "place, rotations = np.zeros(3), []\nfor stamped"),

@@ -15,6 +15,7 @@ from tutorial.checks.engine.rig import APART, Rig, Sent
 from tutorial.checks.engine.trial import Trial
 
 NOTHING = "no message"
+IN_CONFIGURE = "You probably create it in initialize, which runs at every start. Create it once, in configure."
 TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
 SHARED_BY_ROBOTS = "You probably keep something on the class, which all robots share. Set it on self, in initialize."
 RESTART = "You probably keep something of the run before, or count steps or times from 0. Time goes on after stop."
@@ -100,8 +101,8 @@ class Publishing:
     @property
     def _stamp(self) -> str:
         return (
-            "You probably leave out the stamp, count it, take it from another clock, or swap or forget sec or nanosec. "
-            f"Set both, for each message: Time(nanoseconds={self.time}).to_msg()."
+            "You probably leave out the stamp, count it, or take it from another clock, or sec and nanosec don't fit: "
+            f"nanosec starts again at 0 in every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:
@@ -135,7 +136,14 @@ class Publishing:
 
     def topics(self, namespace: str) -> Run:
         """Observe the topic on a node with a namespace."""
-        return lambda trial: self.scene(trial, namespace=namespace).node.on(self.kind, f"Rover/{self.topic}")
+
+        def run(trial: Trial) -> str:
+            node = self.scene(trial, namespace=namespace).node
+            if not node.made:
+                raise Failure("configure", Misuse("it creates no publisher", IN_CONFIGURE))
+            return str(node.on(self.kind, f"Rover/{self.topic}"))
+
+        return run
 
     def rate(self, ms: float) -> Run:
         """Observe how often a message is sent, with steps of so many milliseconds."""
@@ -166,6 +174,9 @@ class Publishing:
     def stamps(self, trial: Trial) -> Any:
         """Observe the stamps, with steps of 6 ms, beside the times of sending."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
+        if not sent:
+            cause = f"You probably count from 0, but a run may begin at another step. Publish when {self.when}."
+            raise Failure("control", Misuse("it publishes nothing if the simulation begins at step 1", cause))
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, trial: Trial, **options: Any) -> Any:
