@@ -24,10 +24,10 @@ SECOND_NS = 1_000_000_000  # a stamp that steps back further than this means tha
 PAUSE_NS = 10 * SECOND_NS  # the longest pause between two messages of one publisher, if there are several
 SHOWABLE = 1e9  # [rad or m] nothing moves further; single precision, with which views draw, still holds its square
 SLACK = 1e-3  # [rad or m] beyond a range that is not worth reporting: simulated limits are soft
-REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further between two messages is a jump
+REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 COUNT_EVERY = 10  # messages from one count of the publishers to the next
-SILENT_AFTER = 25  # messages in a row from each of the others: then the followed publisher is silent
-SHARED = 60  # times that a joint jumps back to where it was one message ago: then two publishers take turns
+SILENT_AFTER = 25  # rivals' messages in a row, per rival: then the followed publisher is silent
+SHARED = 60  # jumps of a joint back to its position before last: then two publishers take turns
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -80,7 +80,7 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the ones before it. If joints differ in that, the report has the one listed last here."""
+    """How a message follows the ones before it. If its joints differ, the report has the one that comes last here."""
 
     NEXT = ""  #: it is the next one of its publisher
     RESTARTED = "the publisher was started again"  #: its stamp steps far back
@@ -206,11 +206,11 @@ class _Track:
 
 
 class _Publishers:
-    """Tells the publishers of one topic apart by what they send, because no message says who sent it.
+    """Tells the publishers of one topic apart by what they send, because in rclpy no message says who sent it.
 
-    If there are as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. A
-    message is a rival's if it is older than the last one or over 10 s newer, or if a shared joint jumps to where a
-    rival has it, as far as that is known. If both agree, both count.
+    With as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. Otherwise a
+    message is a rival's if it is older than the last one, over 10 s newer, or lets a joint jump. Once it is known where
+    a single rival has that joint, only a jump to there counts. If publishers agree, all are shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
@@ -235,7 +235,7 @@ class _Publishers:
         return max(count - 1 - len(apart), shared)  # each set of other joints has a publisher of its own
 
     def _jumps_back(self, joint: str, position: float) -> float:
-        """Count jumps to where a joint was one message ago. Any other jump takes back a fourth of one."""
+        """Count jumps of a joint back to its position before last. Any other jump subtracts a quarter."""
         last, before, jumps = self._received.get(joint, (position, inf, 0))
         moved = abs(position - last)
         if moved > min(REACH, self._half_range.get(joint, inf)):
@@ -246,7 +246,7 @@ class _Publishers:
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
         """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
         ahead = stamp_ns - track.stamp_ns
-        if rivals <= 0 and not track.dropped:  # these joints have one publisher, which has just been heard
+        if rivals <= 0 and not track.dropped:  # only one publisher sends these joints, and it was heard last
             restarted = ahead < -SECOND_NS or (ahead < 0 and stamp_ns <= 0)
             return Arrival.RESTARTED if restarted else Arrival.LATE if ahead < 0 else Arrival.NEXT
         if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead, rivals):
@@ -257,7 +257,7 @@ class _Publishers:
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
     def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint moves further than its own publisher can move it, to where a rival may have it."""
+        """Return whether a joint moves further than its own publisher could, and to where a rival may have it."""
         reach = REACH + SPEED * ahead / SECOND_NS
         moved = {joint: abs(position - track.positions.get(joint, position)) for joint, position in positions.items()}
         far = [joint for joint in moved if moved[joint] > min(reach, self._half_range.get(joint, inf))]
@@ -266,7 +266,7 @@ class _Publishers:
 
     def _recount(self) -> int:
         count = self._count()
-        if count < self._counted:  # one has gone, and it is unknown which
+        if count < self._counted:  # one has left, and it is unknown which
             self._groups, self._elsewhere, self._received = [], {}, {}
         self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY - 1
         return count

@@ -26,7 +26,6 @@ Notice that the topic's name and the joints come from the body, so the same code
 """
 
 from collections.abc import Sequence
-from itertools import count
 from math import nan
 
 from sensor_msgs.msg import JointState
@@ -51,7 +50,6 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 TRIES = 12  # messages that differ; the last one comes once more
-LATER = count(100_000, 20)  # [ms]
 
 
 class MyViewer(SimpleController):
@@ -90,9 +88,9 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
     return message
 
 
-def state(names: str, positions: Sequence[float]) -> Step:
-    """Make a step: a message arrives, with a later stamp than those before, and the posted call runs."""
-    return heard(joint_state(names, positions, next(LATER)))
+def states(*messages: tuple[str, Sequence[float]]) -> Step:
+    """Make a step: messages arrive, each 20 ms later than the one before, and the posted calls run."""
+    return heard(*[joint_state(*each, 100_200 + 20 * i) for i, each in enumerate(messages)])
 
 
 def wait_together(viewer: Viewer) -> str:
@@ -147,7 +145,7 @@ def first_cases(post: str) -> list[Case]:
                     replace(post,
                             'if message.position == getattr(self, "before", None): '
                             f"return\nself.before = message.position\n{post}"))]),
-        Case("a message", steps(state("Y P", (0.1, 0.2)), Viewer.where),
+        Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
              "You probably don't set the positions, or change them on "
              "the way: self.body.set_joint_positions(positions), in rad.", mistakes=[
             Mistake("you don't set the positions: self.body.set_joint_positions(positions).",
@@ -155,15 +153,15 @@ def first_cases(post: str) -> list[Case]:
             Mistake("you convert the positions. Pass them on unchanged: they are in rad on both sides.",
                     replace("positions(positions)",
                             "positions({name: degrees(position) for name, position in positions.items()})"))]),
-        Case("its joints in another order", steps(state("P Y", (0.2, 0.1)), Viewer.where), mistakes=[
+        Case("its joints in another order", steps(states(("P Y", (0.2, 0.1))), Viewer.where), mistakes=[
             Mistake("you match positions by their place in the message. Match "
                     "them by name, wherever it is, as match_joints does.",
                     replace("positions(positions)", "positions(dict(zip(self.body.joint_names, message.position)))",
                             "positions({n: q for n, m, q in zip(message.name, "
                             "self.body.joint_names, message.position) if n == m})"))]),
-        Case("after each move", steps(*[state("Y P", (0.1, 0.2)), Viewer.news] * 2), MOVES, mistakes=MISSING_CALLS),
+        Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES, mistakes=MISSING_CALLS),
         Case("only TURRET_P, then TURRET_Y",
-             steps(state("Y P", (0.2, 0.3)), state("P", [-0.1]), state("Y", [0.0]), Viewer.where),
+             steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
              "You probably expect every joint in every message, or leave out positions of 0 or "
              "below. Set the joints that the message names, and leave the others where they are.", crashes=True,
              mistakes=[
@@ -173,16 +171,16 @@ def first_cases(post: str) -> list[Case]:
                  Mistake("you leave out a position of 0, as `if position` does. 0 is a position like any other.",
                          replace("positions(positions)",
                                  "positions({name: position for name, position in positions.items() if position})"))]),
-        Case("the unknown name ANTENNA", steps(state("ANTENNA", [1.0]), state("ANTENNA Y", (1.0, 0.2)), Viewer.where),
+        Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
              mistakes=[
                  Mistake("you use a name that the body does not have. Leave it "
                          "out, and show the other joints, as match_joints does.",
                          replace("positions(positions)", "positions(dict(zip(message.name, message.position)))"))]),
-        Case("NaN for one joint", steps(state("Y P", (nan, 0.07)), state("Y P", (0.06, nan)), Viewer.where), mistakes=[
+        Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where), mistakes=[
             Mistake("you set NaN as a position. Leave that joint where it is, as match_joints does.",
                     replace("positions(positions)",
                             'positions({n: q for n, q in zip(message.name, message.position) if n != "ANTENNA"})'))]),
-        Case("two names, one position or none", steps(state("P Y", [0.11]), state("Y P", []), Viewer.where), mistakes=[
+        Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where), mistakes=[
             Mistake("you use an index beyond the end: there may be fewer "
                     "positions than names. match_joints takes care of that.",
                     replace("positions, report =",
@@ -198,7 +196,7 @@ def first_cases(post: str) -> list[Case]:
                             'self.old, old = positions, vars(self).get("old")\n'
                             "if positions != old: self.body.notify"))]),
         Case("a message that comes while the body is drawn",
-             steps(while_drawn, state("Y P", (0.21, 0.21)), Viewer.news),
+             steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
              "You probably hold a lock while you draw, so the "
              "callback waits. Hold it only while you take the message."),
         Case("a call that waits when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
