@@ -72,7 +72,7 @@ class HaltsPython(GentleTank):
 
 
 ENDS = [
-    (TakesLong, "✗ control takes too long, at every call", "in control, line ", "returns at once"),
+    (TakesLong, "✗ control takes too long, at every call", "in control, line ", "return at once"),
     (EndsTheProcess, "✗ the process was ended, with exit status 3", "as os._exit does", "only returns"),
     (Crashes, "✗ the process was ended by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
     (Floods, "✗ control does not return", "  | here I am", "the loop is the simulation's"),
