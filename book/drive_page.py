@@ -16,10 +16,10 @@ from typing import Any
 import mujoco
 
 from pocket_ros2 import PATH as POCKET
-from tutorial.actuators import effort_command
 from tutorial.body import Body
-from tutorial.paths import HOME, find_project
-from tutorial.project import Project
+from tutorial.model.actuators import effort_command
+from tutorial.program.project import Project
+from tutorial.system.paths import HOME, find_project
 from tutorial.view.assets import read_static
 from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records

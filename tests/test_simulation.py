@@ -16,7 +16,7 @@ from tutorial import simulation as simulation_module
 from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
-from tutorial.mujoco_warnings import mujoco_warns
+from tutorial.model.mujoco_warnings import mujoco_warns
 from tutorial.simulation import ControllerError, Simulation, State
 from tutorial.world import Placement
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mujoco
 import numpy as np
 
-from tutorial.actuators import Command, effort_command, target_command
-from tutorial.couplings import Followers
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
+from tutorial.model.actuators import Command, effort_command, target_command
+from tutorial.model.couplings import Followers
 from tutorial.world import Placement, compose
 
 if TYPE_CHECKING:

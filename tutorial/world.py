@@ -8,9 +8,9 @@ from pathlib import Path
 import mujoco
 
 from tutorial.errors import TutorialError
-from tutorial.mujoco_warnings import mujoco_warns, no_python_warnings
-from tutorial.options import set_options
-from tutorial.urdf_file import read_urdf
+from tutorial.model.mujoco_warnings import mujoco_warns, no_python_warnings
+from tutorial.model.options import set_options
+from tutorial.model.urdf_file import read_urdf
 
 FAILS = (ValueError, RuntimeError)
 """What MuJoCo raises of a model: RuntimeError where there is no memory for it."""
@@ -40,7 +40,7 @@ class Placement:
 def compose(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjModel:
     """Make one world of several bodies.
 
-    The world has the options that its models set, unless these contradict each other: see `tutorial.options`.
+    The world has the options that its models set, unless these contradict each other: see `tutorial.model.options`.
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.

@@ -19,10 +19,10 @@ from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.controllers.tank_controller import TankController
 from tutorial.joints import JointMatcher
 from tutorial.notebook.widgets.scene_view import SceneView
-from tutorial.paths import HOME, find_project
-from tutorial.project import Project
+from tutorial.program.project import Project
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation
+from tutorial.system.paths import HOME, find_project
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 from tutorial.world import Placement

@@ -17,9 +17,9 @@ import tutorial  # noqa: F401 - promises an rclpy
 import rclpy
 from sensor_msgs.msg import JointState
 
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.system.paths import find_project
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 

@@ -14,8 +14,8 @@ from tutorial.checks.catalogue import exercises
 from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.engine.verdict import right, wrong
 from tutorial.checks.exercise import Exercise, listing
-from tutorial.controller_files import controller_names
-from tutorial.paths import HOME, PACKAGE
+from tutorial.program.controller_files import controller_names
+from tutorial.system.paths import HOME, PACKAGE
 
 EXERCISES = [each for those in exercises().values() for each in those]
 every_exercise = pytest.mark.parametrize("exercise", EXERCISES, ids=lambda exercise: exercise.name)

@@ -15,7 +15,7 @@ from programs import TANK, need_sandbox_here, until
 from tutorial.checks.exercise import listing
 from tutorial.checks.publish import publish
 from tutorial.commands.checking import submission
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 IMPORTS = "from tutorial.checks.joint_state_subscriber import by_name\nfrom tutorial.checks.tank_controller import aim"
 PUBLISHER = """

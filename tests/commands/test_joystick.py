@@ -11,8 +11,8 @@ from sensor_msgs.msg import Joy
 
 from tutorial.commands.joystick import ScriptedDrive, publish_joystick
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME, find_drive
 from tutorial.ros.node_thread import NodeThread
+from tutorial.system.paths import HOME, find_drive
 
 
 @pytest.fixture

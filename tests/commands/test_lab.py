@@ -18,7 +18,7 @@ from websocket import create_connection
 from tutorial.commands import lab
 from tutorial.commands.lab import lab_command, own_course, trust
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 NOTEBOOKS = HOME / "notebooks"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/lab/tree/notebooks/0_setup\.ipynb\?token=(\w+)")

@@ -10,7 +10,7 @@ from tutorial.commands.package import package
 from tutorial.commands.packaging import contents
 from tutorial.commands.packaging.contents import NOBODY, find_maintainer
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 ANN = ('Ann "A" <O\'Hara> & Son', "ann@example.com")
 COMMON = {"README.md", "package.xml", "setup.cfg", "setup.py"}

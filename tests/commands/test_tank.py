@@ -6,7 +6,7 @@ import pytest
 
 from tutorial.body import Body
 from tutorial.description.urdf import robot_description
-from tutorial.paths import find_model
+from tutorial.system.paths import find_model
 from tutorial.world import Placement
 
 CONTROLLER = """from tutorial.controller import SimpleController

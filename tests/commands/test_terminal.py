@@ -10,7 +10,7 @@ import pytest
 
 from tutorial.commands import terminal
 from tutorial.commands.terminal import prepare_output
-from tutorial.printing import say
+from tutorial.system.printing import say
 
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 STUCK = """import mujoco

@@ -11,9 +11,9 @@ from pictures import is_red, need_pictures, red_block
 from sensor_msgs.msg import Image
 
 from tutorial.controllers.camera_publisher import CameraPublisher
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.system.paths import find_project
 from tutorial.world import Placement
 
 

@@ -6,8 +6,8 @@ from controlled import on_course, stamps_ms
 
 from tutorial.controller import SimpleController
 from tutorial.controllers.imu_publisher import ImuPublisher
-from tutorial.paths import HOME
-from tutorial.project import Project
+from tutorial.program.project import Project
+from tutorial.system.paths import HOME
 
 
 class Recorder(SimpleController):

@@ -12,7 +12,7 @@ from tutorial.checks.engine.clock import ClockedLoop
 from tutorial.checks.engine.trial import Trial
 from tutorial.controller import ControllerConfig
 from tutorial.controllers.imu_subscriber import ImuSubscriber
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
 PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # numbers that + and - do not bring back

@@ -11,8 +11,8 @@ from tf2_msgs.msg import TFMessage
 
 from tutorial.controller import SimpleController
 from tutorial.controllers.pose_publisher import PosePublisher
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.project import Project
+from tutorial.system.paths import find_project
 
 
 class Tracks(SimpleController):

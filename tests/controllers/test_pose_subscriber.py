@@ -15,7 +15,7 @@ from tutorial.body import Body
 from tutorial.controller import ControllerConfig
 from tutorial.controllers.pose_subscriber import ALONE, MOST_WAITING, REPEATED, PoseSubscriber, StampPairs
 from tutorial.joints import Arrival
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
 PLACE = (1.0, 2.0, 3.0)

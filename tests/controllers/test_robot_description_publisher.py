@@ -6,10 +6,10 @@ from std_msgs.msg import String
 
 from tutorial.controllers.robot_description_publisher import RobotDescriptionPublisher
 from tutorial.description.urdf import robot_description
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
 from tutorial.ros.node_thread import NodeThread
+from tutorial.system.paths import find_project
 
 TOPIC = "/Tank/robot_description"
 

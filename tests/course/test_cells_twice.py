@@ -7,7 +7,7 @@ import pytest
 from kernels import kernel
 from pictures import need_pictures
 
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 

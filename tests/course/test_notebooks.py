@@ -11,8 +11,8 @@ from steps import BESIDE
 from tutorial import controllers
 from tutorial.checks.catalogue import exercises
 from tutorial.controller import SimpleController
-from tutorial.controller_files import controller_names
-from tutorial.paths import HOME
+from tutorial.program.controller_files import controller_names
+from tutorial.system.paths import HOME
 
 
 def teaches(notebook, module):

@@ -6,7 +6,7 @@ from desk import lab_desk
 from lab import copy_files
 
 from tutorial.commands.lab import trust
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 LONGEST_FIRST = sorted((HOME / "notebooks").glob("*.ipynb"), key=lambda path: -path.stat().st_size)
 

@@ -10,9 +10,9 @@ from dataclasses import replace
 import pytest
 from loops import PATIENCE, until
 
-from tutorial.host import Host
-from tutorial.paths import HOME, find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.system.paths import HOME, find_project
 
 WITH_THE_COURSE = ["-c", "import tutorial; exec(open('listener.py').read())"]
 

@@ -7,9 +7,9 @@ from sensor_msgs.msg import Joy
 from tornado.websocket import websocket_connect
 
 from tutorial.commands.launcher import load_launch_file
-from tutorial.host import Host
-from tutorial.paths import HOME, find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.system.paths import HOME, find_project
 
 
 @in_a_loop

@@ -3,9 +3,9 @@
 import yaml
 from loops import in_a_loop, until
 
-from tutorial.host import Host
-from tutorial.paths import HOME, find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.system.paths import HOME, find_project
 
 TYPES = {"RobotModel": "std_msgs/msg/String", "Image": "sensor_msgs/msg/Image"}
 

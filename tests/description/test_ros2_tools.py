@@ -22,9 +22,9 @@ from tf2_msgs.msg import TFMessage
 from tutorial.body import Body
 from tutorial.controllers.robot_description_publisher import RobotDescriptionPublisher
 from tutorial.description.urdf import robot_description
-from tutorial.paths import HOME
 from tutorial.ros.domains import reserved_domain
 from tutorial.ros.node_thread import NodeThread
+from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))

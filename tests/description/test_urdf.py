@@ -12,7 +12,7 @@ import yaml
 from tutorial.body import Body
 from tutorial.description.poses import pose
 from tutorial.description.urdf import robot_description
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
 MODELS = HOME / "project" / "models"

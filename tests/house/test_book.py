@@ -17,7 +17,7 @@ import pytest
 from browser import Witness, chromium, open_browser
 from loops import until
 
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 BOOK = HOME / "book"
 

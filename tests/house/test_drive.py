@@ -15,9 +15,9 @@ from sensor_msgs.msg import Joy
 
 from tutorial.commands.joystick import ScriptedDrive
 from tutorial.controllers.tank_controller import TankController
-from tutorial.paths import HOME, find_drive, find_project
-from tutorial.project import Project
+from tutorial.program.project import Project
 from tutorial.simulation import Simulation
+from tutorial.system.paths import HOME, find_drive, find_project
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(300)]
 

@@ -6,7 +6,7 @@ import sys
 import pytest
 from shell import run_script, write_script
 
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 TOOLS = ("chmod", "cp", "dirname", "mkdir", "mktemp", "rm")
 VERSION = "import platform, sys; sys.version_info = {}, {}, 0; platform.python_version = lambda: '{}.{}.0'"

@@ -5,7 +5,7 @@ import shutil
 import pytest
 from shell import run_script, write_script
 
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 pytestmark = pytest.mark.process
 

@@ -14,7 +14,7 @@ import click
 import pytest
 
 from tutorial.commands.tank import tank
-from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_project
+from tutorial.system.paths import HOME, find_drive, find_launch_file, find_model, find_project
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 POCKET = HOME / "tutorial/ros/pocket/README.md"

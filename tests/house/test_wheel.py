@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from packages import run
 
-from tutorial.paths import PACKAGE
+from tutorial.system.paths import PACKAGE
 
 CHECKOUT = PACKAGE.parent
 POCKET = PACKAGE / "ros/pocket"
@@ -115,7 +115,9 @@ def test_the_demo_runs(installed, program):
 
 
 def test_a_learners_course_has_what_its_notebooks_refer_to(installed, tmp_path):
-    code = "from tutorial.paths import *; from tutorial.commands.lab import own_course; print(HOME, own_course())"
+    code = (
+        "from tutorial.system.paths import *; from tutorial.commands.lab import own_course; print(HOME, own_course())"
+    )
     home, course = map(Path, run("-c", code, cwd=".", **installed).split())
     assert home == tmp_path / "site" / "tutorial" / "_files"
     texts = [path.read_text("utf-8") for path in course.glob("notebooks/*.ipynb")]

@@ -21,9 +21,9 @@ from tutorial.errors import TutorialError
 from tutorial.notebook import close_all, open_node, open_program, until
 from tutorial.notebook import program as program_module
 from tutorial.notebook.widgets.cell_widget import CellWidget
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.project import Project
 from tutorial.simulation import REST
+from tutorial.system.paths import find_project
 
 pytestmark = pytest.mark.usefixtures("domain")
 
@@ -139,8 +139,8 @@ async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_withou
 
 LOOPS = """
 from tutorial.controller import SimpleController
-from tutorial.project import Project
-from tutorial.paths import find_project
+from tutorial.program.project import Project
+from tutorial.system.paths import find_project
 import time
 
 class Loops(SimpleController):

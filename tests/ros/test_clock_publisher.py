@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 from programs import until
 
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
 from tutorial.ros.clock_publisher import ClockPublisher
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation
+from tutorial.system.paths import find_project
 from tutorial.world import Placement
 
 SIM_TIME = ("--ros-args", "-p", "use_sim_time:=true")

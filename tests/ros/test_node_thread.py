@@ -11,7 +11,7 @@ from programs import PATIENCE, until
 from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import String
 
-from tutorial.record import make_record
+from tutorial.program.record import make_record
 from tutorial.ros.node_thread import NodeThread, TopicMeter
 
 

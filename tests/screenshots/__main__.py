@@ -12,8 +12,8 @@ from browser import LIKE_A_CARD, PATIENCE, Witness, chromium, open_browser
 from lab import copy_files, jupyter_lab
 from PIL import Image
 
-from tutorial.paths import HOME
 from tutorial.ros.domains import reserved_domain
+from tutorial.system.paths import HOME
 
 PATH = HOME / "book/images/drive.webp"
 FRAME = 0.1  # [s] from one picture to the next

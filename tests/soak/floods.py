@@ -17,7 +17,7 @@ import psutil
 from harness import MEMORY, above, python, soak
 from tables import console
 
-from tutorial.parent_watch import signal_group
+from tutorial.system.parent_watch import signal_group
 
 HERE = Path(__file__).parent
 KINDS = ("names", "messages", "encapsulations")

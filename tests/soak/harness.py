@@ -12,8 +12,8 @@ from contextlib import contextmanager
 import psutil
 from tables import console
 
-from tutorial import parent_watch
 from tutorial.ros.domains import reserved_domain
+from tutorial.system import parent_watch
 
 EVERY = 0.1  # [s] between two samples of memory
 WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the caches of an interpreter find their size

@@ -27,11 +27,11 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy, qos_profile_
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
 from tutorial.ros.bags import Bag, Recorder
 from tutorial.ros.node_thread import NodeThread
+from tutorial.system.paths import find_project
 
 RATE = 1000  # [Hz]
 QUIET = 1.0  # [s] without a message, after which none is on its way any more

@@ -9,7 +9,7 @@ import time
 from typing import Any
 
 from tutorial.__main__ import main
-from tutorial.host import Host
+from tutorial.program.host import Host
 
 EVERY = 0.1  # [s] between two lines
 NAP = 0.005  # [s] after which the main loop should have its turn again

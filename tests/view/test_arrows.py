@@ -7,7 +7,7 @@ import pytest
 from scenes import commands
 
 from tutorial.body import Body
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 from tutorial.view.animation import Animation
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene

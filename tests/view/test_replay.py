@@ -14,9 +14,9 @@ from scenes import commands
 from sensor_msgs.msg import Joy
 
 from tutorial.errors import TutorialError
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.system.paths import find_project
 from tutorial.view.bodies import View
 from tutorial.view.replay import ReplayRecorder, recorded
 from tutorial.view.scene import Scene

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tutorial import checks
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 if TYPE_CHECKING:
     from tutorial.checks.exercise import Exercise

@@ -16,9 +16,9 @@ from tutorial.checks.engine.observe import observe
 from tutorial.checks.engine.report import finding_of, report
 from tutorial.checks.engine.twins import Twins
 from tutorial.checks.engine.verdict import Finding, Verdict, right, wrong
+from tutorial.checks.progress import remember
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
-from tutorial.progress import remember
 
 NOT_YET = "Not attempted yet"
 """How the text begins that says that nothing is written yet."""

@@ -16,7 +16,7 @@ import click
 
 from tutorial.commands.terminal import until_asked
 from tutorial.errors import TutorialError
-from tutorial.printing import say
+from tutorial.system.printing import say
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import NodeThread

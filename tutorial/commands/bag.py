@@ -15,7 +15,7 @@ import click
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.options import Finite, Seconds
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, status_line
-from tutorial.printing import say
+from tutorial.system.printing import say
 
 if TYPE_CHECKING:
     from tutorial.ros.bags import Bag, Recorder

@@ -10,8 +10,8 @@ import click
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError
-from tutorial.printing import say
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault
+from tutorial.system.printing import say
 
 EPILOG = "\b\nThe faults:\n" + "\n".join(f"  {name:10} {what}" for name, what in FAULTS.items())
 

@@ -16,7 +16,7 @@ import click
 from tutorial.commands.options import Seconds
 from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
-from tutorial.printing import say
+from tutorial.system.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.messages import Judged

@@ -23,11 +23,11 @@ from typing import Any, Literal, NamedTuple
 
 from pocket_ros2 import real_rclpy
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.printing import say
 from tutorial.ros.backend import VARIABLE, ros_backend
 from tutorial.ros.loopback import TURN_ON, loopback_is_up, require_loopback
 from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.folder import RANGE
+from tutorial.system.printing import say
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import

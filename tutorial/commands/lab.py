@@ -12,7 +12,7 @@ import nbformat
 from nbformat.sign import NotebookNotary
 
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME, PACKAGE, SHIPPED, is_ours
+from tutorial.system.paths import HOME, PACKAGE, SHIPPED, is_ours
 
 _log = logging.getLogger(__name__)
 

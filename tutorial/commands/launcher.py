@@ -20,10 +20,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, TextIO
 
 import pocket_ros2
-from tutorial import parent_watch
 from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError, printable, printable_lines, tell
-from tutorial.paths import with_own_commands
+from tutorial.system import parent_watch
+from tutorial.system.paths import with_own_commands
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
@@ -68,7 +68,7 @@ class Launcher:
     """Starts processes, prints their output with their names in front, and ends them together.
 
     When one fails, the others are stopped: asked first, killed if they don't, or at a second Ctrl-C at once. None
-    outlives the launcher, even when it is killed: see `tutorial.parent_watch`.
+    outlives the launcher, even when it is killed: see `tutorial.system.parent_watch`.
 
     Args:
         processes: what to start.

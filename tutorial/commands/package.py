@@ -9,7 +9,7 @@ import click
 
 from tutorial.commands.options import part_class
 from tutorial.errors import TutorialError, printable
-from tutorial.printing import say
+from tutorial.system.printing import say
 
 
 @click.command(short_help="Make a ROS 2 package of a controller of your own.")

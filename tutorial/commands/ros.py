@@ -10,11 +10,11 @@ import click
 
 from tutorial.commands.terminal import INTERRUPTED, status_line
 from tutorial.errors import TutorialError
-from tutorial.paths import with_own_commands
-from tutorial.printing import say
 from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.install import AGAIN, install, remove
 from tutorial.ros.wheels.interfaces import TF2_MSGS, build_interfaces, build_tf2_msgs
+from tutorial.system.paths import with_own_commands
+from tutorial.system.printing import say
 
 
 @click.group("ros", short_help="Install a real ROS 2 beside this environment, and use it.")

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 from tutorial.commands.asking import named_node
-from tutorial.host import Host
+from tutorial.program.host import Host
 from tutorial.ros.bags import Recorder
 
 LOOK_EVERY = 0.02  # [s]

@@ -25,11 +25,11 @@ from tutorial.commands.ros import ros
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
 from tutorial.commands.topic import node, topic
 from tutorial.errors import TutorialError, printable
-from tutorial.printing import say
+from tutorial.system.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import Gamepad, ScriptedDrive
-    from tutorial.project import Project
+    from tutorial.program.project import Project
 
 FILE = click.Path(path_type=Path)
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
@@ -86,9 +86,9 @@ def run(
     ros_args: list[str], /, project: str, robot: str | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
-    from tutorial.controller_files import load_controllers
-    from tutorial.paths import find_model, find_project
-    from tutorial.project import Project
+    from tutorial.program.controller_files import load_controllers
+    from tutorial.program.project import Project
+    from tutorial.system.paths import find_model, find_project
 
     ros_backend()  # or the error would name the first controller that imports rclpy
     loaded = Project.load(find_project(project))
@@ -109,7 +109,7 @@ def run(
 def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: float, report: Path | None) -> int:
     """Publish a gamepad on /joy; where there is none, a scripted drive."""
     from tutorial.commands.joystick import publish_joystick
-    from tutorial.record import make_record, write_record
+    from tutorial.program.record import make_record, write_record
 
     source = _joy_source(drive)
     stop = threading.Event()
@@ -158,7 +158,7 @@ def demo(duration: float | None, headless: bool) -> int:
 def lab(jupyter_args: tuple[str, ...]) -> None:
     """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
     from tutorial.commands.lab import lab_command, own_course, trust
-    from tutorial.paths import with_own_commands
+    from tutorial.system.paths import with_own_commands
 
     course = own_course()
     trust(course / "notebooks")
@@ -178,8 +178,8 @@ def check_up() -> int:
 def progress(folder: Path | None) -> None:
     """Show which exercises are solved in the notebooks of FOLDER; without it, of the course folder one is in."""
     from tutorial.checks.catalogue import exercise_names
-    from tutorial.paths import HOME
-    from tutorial.progress import FILE, Overview
+    from tutorial.checks.progress import FILE, Overview
+    from tutorial.system.paths import HOME
 
     places = [Path(), Path("notebooks")] if folder is None else [folder, folder / "notebooks"]
     default = HOME / "notebooks" if folder is None else folder
@@ -196,7 +196,7 @@ def urdf(model: str) -> None:
     """
     from tutorial.body import Body
     from tutorial.description.urdf import robot_description
-    from tutorial.paths import find_model
+    from tutorial.system.paths import find_model
     from tutorial.world import Placement
 
     path = find_model(model)
@@ -229,8 +229,8 @@ async def _host(
 ) -> None:
     """Run a project on the event loop that is running."""
     from tutorial.commands.run_bag import bag_of
-    from tutorial.host import Host
-    from tutorial.record import write_record
+    from tutorial.program.host import Host
+    from tutorial.program.record import write_record
     from tutorial.view.bodies import View
     from tutorial.view.replay import recorded
     from tutorial.view.scene import Scene
@@ -260,7 +260,7 @@ async def _host(
 
 def _joy_source(drive: str | None) -> ScriptedDrive | Gamepad:
     from tutorial.commands.joystick import Gamepad, ScriptedDrive
-    from tutorial.paths import find_drive
+    from tutorial.system.paths import find_drive
 
     if drive is None and (gamepad := Gamepad.find()) is not None:
         say(f"gamepad: {printable(gamepad.name)}\n")
@@ -273,7 +273,7 @@ def _joy_source(drive: str | None) -> ScriptedDrive | Gamepad:
 def _launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
     """Run a launch file in this terminal; its processes learn duration and the rest from their environment."""
     from tutorial.commands.launcher import Launcher, load_launch_file
-    from tutorial.paths import find_launch_file
+    from tutorial.system.paths import find_launch_file
 
     ros_backend()  # or each of the processes would report that it has no ROS 2
     environment: dict[str, str] = {}

@@ -10,7 +10,7 @@ import click
 
 from tutorial.commands.asking import asks
 from tutorial.commands.options import Finite
-from tutorial.printing import say, say_all
+from tutorial.system.printing import say, say_all
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode

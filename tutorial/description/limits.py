@@ -5,8 +5,8 @@ from xml.etree.ElementTree import Element, SubElement
 import mujoco
 import numpy as np
 
-from tutorial.actuators import actuators_of, is_motor
 from tutorial.description.poses import numbers
+from tutorial.model.actuators import actuators_of, is_motor
 
 UNLIMITED = 1e9
 """Where the model sets no limit [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""

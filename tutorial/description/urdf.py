@@ -16,11 +16,11 @@ import mujoco
 import numpy as np
 
 from tutorial.body import Body
-from tutorial.couplings import NOT_COMPUTED, Coupling, active_equalities, couplings_of, follow, roots
 from tutorial.description.limits import add_dynamics, add_limit
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
-from tutorial.urdf_file import NO_MASS
+from tutorial.model.couplings import NOT_COMPUTED, Coupling, active_equalities, couplings_of, follow, roots
+from tutorial.model.urdf_file import NO_MASS
 
 ROOT = "base_link"
 """The link that stands where the body's root does. A free joint moves it, and is not in the description."""

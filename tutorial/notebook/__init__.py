@@ -7,6 +7,7 @@ rest. Everything here belongs to the kernel's main thread.
 from ipywidgets import Widget
 
 from tutorial.checks.catalogue import exercise_names
+from tutorial.checks.progress import Overview
 from tutorial.notebook.bag_tools import bag_play
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, keep, log, until
@@ -21,10 +22,9 @@ from tutorial.notebook.widgets.line_plot import line_plot
 from tutorial.notebook.widgets.node_graph import NodeGraph
 from tutorial.notebook.widgets.side_by_side import SideBySide
 from tutorial.notebook.widgets.swimlane import swimlane
-from tutorial.paths import find_project
-from tutorial.progress import Overview
-from tutorial.project import Project
+from tutorial.program.project import Project
 from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.system.paths import find_project
 
 __all__ = [
     "Command",

@@ -8,10 +8,10 @@ import subprocess
 import threading
 from collections import deque
 
-from tutorial import parent_watch
 from tutorial.errors import TutorialError
 from tutorial.notebook.desk import until
-from tutorial.paths import HOME, with_own_commands
+from tutorial.system import parent_watch
+from tutorial.system.paths import HOME, with_own_commands
 
 PATIENCE = 5.0  # [s] from asking a command to stop to killing it
 LONGEST = 120.0  # [s] that a command may take to end by itself

@@ -13,11 +13,11 @@ from ipywidgets import FloatProgress
 from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.host import Host
 from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.notebook.widgets.scene_view import SceneView
-from tutorial.program_run import FRAME
-from tutorial.project import Project
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.program.run import FRAME
 from tutorial.simulation import REST, Simulation
 from tutorial.trace import HandoffTrace
 from tutorial.view.bodies import View

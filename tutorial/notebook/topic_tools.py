@@ -1,9 +1,9 @@
 """``ros2 topic list``, ``info``, ``echo`` and ``hz`` for a cell: they print what these commands print."""
 
 from tutorial.notebook.desk import keep_once
-from tutorial.printing import say, say_all
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import listening, listing
+from tutorial.system.printing import say, say_all
 
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 REPORTS = 2  # of `topic_hz`

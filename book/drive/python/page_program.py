@@ -15,9 +15,9 @@ from sensor_msgs.msg import Joy
 
 from tutorial.body import Body, State
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
-from tutorial.controller_files import find_controller, load_controllers
 from tutorial.errors import tell
 from tutorial.handoff import CallQueue
+from tutorial.program.controller_files import find_controller, load_controllers
 from tutorial.ros.joy import joy_message
 
 TIME_STEP = 0.001  # [s]

@@ -3,7 +3,7 @@
 import pytest
 
 from tutorial.commands.checking.answers import cells_of, find_answers
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 EXERCISES = {"aim": "HeldJoint", "by_name": "match_by_name"}
 IMPORT = "from tutorial.checks.tank_controller import aim"

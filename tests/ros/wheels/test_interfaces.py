@@ -17,10 +17,10 @@ from tutorial.commands.package import _write
 from tutorial.commands.packaging import contents
 from tutorial.commands.packaging.contents import make_interfaces
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME
 from tutorial.ros.wheels import folder, interfaces
 from tutorial.ros.wheels.definitions import find_mistake
 from tutorial.ros.wheels.interfaces import build_interfaces
+from tutorial.system.paths import HOME
 
 PAGE = (HOME / "book/own_interfaces.md").read_text(encoding="utf-8")
 JAZZY = {

@@ -5,7 +5,7 @@ import mujoco
 from tutorial.body import Body
 from tutorial.checks.engine.trial import Trial
 from tutorial.handoff import ThreadGuard
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 from tutorial.world import Placement, compose
 
 MODELS = HOME / "project" / "models"

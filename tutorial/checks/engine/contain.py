@@ -16,9 +16,9 @@ import msgspec
 from tutorial.checks.engine.answer import files_of
 from tutorial.checks.engine.shared_state import outside, pickled
 from tutorial.checks.engine.verdict import Finding, Place, wrong
-from tutorial.parent_watch import signal_group
-from tutorial.paths import PACKAGE
 from tutorial.ros.domains import reserved_domain
+from tutorial.system.parent_watch import signal_group
+from tutorial.system.paths import PACKAGE
 
 DONE = b"done\n"
 LIMIT = 120.0  # [s] for a whole check; the watchdog ends what takes long far earlier

@@ -17,7 +17,7 @@ from ctypes.util import find_library
 from pathlib import Path
 
 from tutorial.errors import TutorialError
-from tutorial.paths import COURSE, PACKAGE, is_course
+from tutorial.system.paths import COURSE, PACKAGE, is_course
 
 FOLDER_SIZE = 64 << 20  # bytes of all files
 SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/sys")

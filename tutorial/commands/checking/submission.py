@@ -16,8 +16,8 @@ import psutil
 
 from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import sandbox
-from tutorial.parent_watch import signal_group
-from tutorial.paths import PACKAGE
+from tutorial.system.parent_watch import signal_group
+from tutorial.system.paths import PACKAGE
 
 LARGEST = 50 << 20  # bytes of a notebook
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work

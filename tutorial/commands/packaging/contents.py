@@ -8,11 +8,11 @@ from pathlib import Path
 from string import Template
 from xml.sax.saxutils import escape
 
-from tutorial.controller_files import controller_names, load_controllers
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.paths import HOME, PACKAGE, find_home
-from tutorial.project import Project
+from tutorial.program.controller_files import controller_names, load_controllers
+from tutorial.program.project import Project
 from tutorial.ros.package_names import check_package_name
+from tutorial.system.paths import HOME, PACKAGE, find_home
 
 TEMPLATES = Path(__file__).parent / "template"
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)

@@ -14,12 +14,12 @@ import msgspec
 from backports import zstd
 
 from tutorial.errors import TutorialError, did_you_mean, printable
-from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.file_kind import foreign, suffix_of
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
+from tutorial.system.paths import is_file, is_folder
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 MOST_FAULTS = 5  # of a bag, that are told

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from tutorial.errors import TutorialError
-from tutorial.paths import PACKAGE, is_course
+from tutorial.system.paths import PACKAGE, is_course
 
 WHEELS = Path(__file__).with_name("runtime.txt")
 """What the folder is made of: each wheel with its version and its hashes."""

@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tutorial.errors import TutorialError
-from tutorial.parent_watch import start_watched
 from tutorial.ros.wheels import folder
+from tutorial.system.parent_watch import start_watched
 
 NEEDED = "450 MB"  # of disk while the wheels are unpacked
 DISK_FULL = "No space left on device"

@@ -9,8 +9,8 @@ from typing import Any
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
-from tutorial.item import Item
 from tutorial.joints import JointReport
+from tutorial.program.item import Item
 from tutorial.ros.backend import ros_backend
 from tutorial.ros.node_thread import TopicMeter
 

@@ -9,12 +9,12 @@ import pytest
 from tutorial import controllers
 from tutorial.commands.options import part_class
 from tutorial.controller import SimpleController
-from tutorial.controller_files import controller_names, find_controller, load_controllers
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME, find_launch_file, find_project
-from tutorial.project import Project
+from tutorial.program.controller_files import controller_names, find_controller, load_controllers
+from tutorial.program.project import Project
+from tutorial.system.paths import HOME, find_launch_file, find_project
 from tutorial.world import Placement, compose
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from tutorial.errors import TutorialError
-from tutorial.item import Item
+from tutorial.program.item import Item
 from tutorial.view.bodies import View
 
 FEW = 3  # bodies that have a line each

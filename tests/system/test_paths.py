@@ -1,7 +1,7 @@
 """Which course folder is meant: it depends on where one works."""
 
-from tutorial import paths
-from tutorial.paths import PACKAGE, SHIPPED, find_home
+from tutorial.system import paths
+from tutorial.system.paths import PACKAGE, SHIPPED, find_home
 
 
 def make_course(folder):

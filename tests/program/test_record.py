@@ -7,7 +7,7 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from tutorial.joints import JointReport
-from tutorial.record import make_record
+from tutorial.program.record import make_record
 
 STATE = JointState(name=["TURRET_Y"], position=[0.5])
 

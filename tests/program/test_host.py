@@ -18,11 +18,11 @@ from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import BodyItem, Project
+from tutorial.program.host import Host
+from tutorial.program.project import BodyItem, Project
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import ControllerError, State
+from tutorial.system.paths import find_project
 from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
@@ -274,7 +274,7 @@ async def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(han
 
     def look(_):
         if there.is_set():
-            monkeypatch.setattr("tutorial.program_run.HUNG", 0.05)
+            monkeypatch.setattr("tutorial.program.run.HUNG", 0.05)
 
     async with Host(project) as host:
         with pytest.raises(ControllerError, match="Hangs does not return"):
@@ -453,7 +453,7 @@ async def live_through(seed, model):
 
 @pytest.mark.parametrize("tens", range(20))
 def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
-    for name in ("simulation.STUCK", "program_run.HUNG", "ros.node_thread.SpinThread.patience"):
+    for name in ("simulation.STUCK", "program.run.HUNG", "ros.node_thread.SpinThread.patience"):
         monkeypatch.setattr(f"tutorial.{name}", 0.05)
     model = tmp_path / "box.xml"  # the smallest one that something can be done with: it is quickly loaded
     model.write_text("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody></mujoco>")

@@ -6,10 +6,10 @@ from collections import Counter
 
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.couplings import not_computed
 from tutorial.errors import TutorialError, file_of, printable, tell
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import Arrival, JointReport
+from tutorial.model.couplings import not_computed
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 

@@ -21,7 +21,7 @@ ROOT = 0  # the user
 OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
 """Suffixes of models, besides .xml. Reading a xacro file raises an error that says what to do."""
 
-PACKAGE = Path(__file__).resolve().parent
+PACKAGE = Path(__file__).resolve().parents[1]
 """The folder of the package ``tutorial``; what is above it is where Python finds it."""
 
 SHIPPED = PACKAGE / "_files"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tutorial.errors import TutorialError
-from tutorial.urdf_file import read_urdf
+from tutorial.model.urdf_file import read_urdf
 from tutorial.view.shapes import is_drawn
 from tutorial.world import Placement, compose
 

@@ -10,10 +10,10 @@ import pytest
 from click.testing import CliRunner
 from kernels import kernel
 
-from tutorial import progress
+from tutorial.checks import progress
 from tutorial.checks.catalogue import exercise_names
+from tutorial.checks.progress import FILE, Overview, read_progress, remember
 from tutorial.commands.tank import tank
-from tutorial.progress import FILE, Overview, read_progress, remember
 
 SOLVE = """
 from tutorial.checks.joint_state_subscriber import by_name

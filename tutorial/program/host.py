@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.frame import draw_frame
 from tutorial.handoff import CallQueue
-from tutorial.item import Item
-from tutorial.neighbours import Neighbours
-from tutorial.program_run import FRAME, DisplayedRun, SimulatedRun
-from tutorial.record import make_record
+from tutorial.program.frame import draw_frame
+from tutorial.program.item import Item
+from tutorial.program.neighbours import Neighbours
+from tutorial.program.record import make_record
+from tutorial.program.run import FRAME, DisplayedRun, SimulatedRun
 from tutorial.ros.clock_publisher import ClockPublisher
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation, State
 from tutorial.view.camera import CameraRenderer
 
 if TYPE_CHECKING:
-    from tutorial.project import BodyItem, Project
+    from tutorial.program.project import BodyItem, Project
     from tutorial.trace import HandoffTrace
     from tutorial.view.bodies import View
 
@@ -237,7 +237,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
 
     def record(self) -> dict[str, Any]:
-        """Sum the run up, for the bodies that are there. See `tutorial.record`."""
+        """Sum the run up, for the bodies that are there. See `tutorial.program.record`."""
         return make_record(self.node.get_name(), self.seconds, self.node.meters, list(self._items.values()))
 
     def _show(self, entry: BodyItem, simulates: bool) -> None:

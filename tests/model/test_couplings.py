@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tutorial.couplings import Followers, not_computed
+from tutorial.model.couplings import Followers, not_computed
 
 JOINTS = """
   <body><joint name="R/a" type="slide" ref="0.1"/><geom size="0.1"/></body>

@@ -10,7 +10,7 @@ from types import ModuleType
 from tutorial import controllers
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean, tell
-from tutorial.paths import is_file
+from tutorial.system.paths import is_file
 
 
 def controller_names() -> dict[str, str]:

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import pytest
 from sensor_msgs.msg import JointState
 
-from tutorial import item as item_module
-from tutorial.item import Item
 from tutorial.joints import JointMatcher
+from tutorial.program import item as item_module
+from tutorial.program.item import Item
 from tutorial.ros.node_thread import TopicMeter
 from tutorial.world import Placement
 
-TANK = Placement("Tank", Path(__file__).parent.parent / "project" / "models" / "tank.xml")
+TANK = Placement("Tank", Path(__file__).parents[2] / "project" / "models" / "tank.xml")
 RANGES = {"TURRET_Y": (-6.3, 6.3), "TURRET_P": (-0.2, 0.8)}  # [rad]
 
 

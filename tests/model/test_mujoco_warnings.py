@@ -1,7 +1,7 @@
 """MuJoCo's warnings are counted and logged, and never end the process."""
 
-from tutorial import mujoco_warnings
-from tutorial.mujoco_warnings import _MujocoWarns
+from tutorial.model import mujoco_warnings
+from tutorial.model.mujoco_warnings import _MujocoWarns
 
 
 def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):

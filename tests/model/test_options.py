@@ -4,7 +4,7 @@ import mujoco
 import pytest
 
 from tutorial.errors import TutorialError
-from tutorial.options import OPTIONS
+from tutorial.model.options import OPTIONS
 from tutorial.world import Placement, compose
 
 BODY = '<worldbody><body><joint name="J"/><geom size="0.1"/></body></worldbody><actuator><motor joint="J"/></actuator>'

@@ -14,11 +14,11 @@ from typing import Annotated
 import msgspec
 
 from tutorial.controller import SimpleController
-from tutorial.controller_files import find_controller
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.paths import is_file
+from tutorial.program.controller_files import find_controller
+from tutorial.program.yamlfile import YamlFile
+from tutorial.system.paths import PACKAGE, is_file
 from tutorial.world import Placement, compose
-from tutorial.yamlfile import YamlFile
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -177,7 +177,7 @@ class Project:
 def _origin(controller: type[SimpleController]) -> str:
     """The file that a controller of the user's own comes from, in parentheses."""
     file = getattr(sys.modules.get(controller.__module__), "__file__", None)
-    return "" if file is None or Path(file).is_relative_to(Path(__file__).parent) else f" ({Path(file).name})"
+    return "" if file is None or Path(file).is_relative_to(PACKAGE) else f" ({Path(file).name})"
 
 
 def _fleet(item: BodyItem) -> tuple[object, ...]:

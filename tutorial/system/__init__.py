@@ -1,0 +1,1 @@
+"""The computer that a program runs on: folders, the terminal, and processes that end with their parent."""
