@@ -89,7 +89,7 @@ class TestCallLater:
 
         (scope,) = run(post)
         assert isinstance(scope.queue.error, kind)
-        said = r"Broken of Tank: a call that was posted at .*test_handoff\.py:\d+ on the thread 'ThreadPool.*' failed"
+        said = r"Broken of Tank: a call posted at .*test_handoff\.py:\d+ on the thread 'ThreadPool.*' failed"
         assert re.fullmatch(said, caplog.messages[0])
         assert kind.__name__ in caplog.text
 
@@ -183,7 +183,7 @@ def test_of_each_key_of_a_scope_the_newest_runs_once_in_the_place_of_the_first(f
 
 
 class TestTooBusy:
-    def test_that_a_crowd_waits_is_said_once_with_the_mend(self, caplog):
+    def test_a_crowd_of_waiting_calls_is_reported_once_with_the_fix(self, caplog):
         def post(queue, ran):
             scope = queue.scope("Viewer of Tank")
             for waiting in range(2 * handoff.CROWD):
@@ -192,10 +192,10 @@ class TestTooBusy:
 
         run(post)
         (line,) = caplog.messages
-        assert line.startswith(f"the main thread is too busy for what is posted to it: {handoff.CROWD + 1} waiting")
-        assert line.endswith("Viewer of Tank may post with call_latest(key, f, message)")
+        assert line.startswith(f"the main thread is too busy for the calls posted to it: {handoff.CROWD + 1} waiting")
+        assert line.endswith("Viewer of Tank can post with call_latest(key, f, message)")
 
-    def test_that_one_waits_long_is_said_once(self, caplog, monkeypatch):
+    def test_a_long_wait_is_reported_once(self, caplog, monkeypatch):
         loop = asyncio.SelectorEventLoop()
         scope = CallQueue(loop).scope("Viewer of Tank")
         scope.call_latest("key", list)
@@ -205,9 +205,9 @@ class TestTooBusy:
             scope.call_latest("key", list)
         loop.close()
         (line,) = caplog.messages
-        assert "1 waiting, the first for 11.0 s. Let it do less at a time;" in line
+        assert "1 waiting, the first for 11.0 s. Do less in each call;" in line
 
-    def test_that_one_has_waited_long_is_said_when_nobody_posts_any_more(self, caplog, monkeypatch):
+    def test_a_long_wait_is_reported_even_if_nothing_more_is_posted(self, caplog, monkeypatch):
         def post(queue, ran):
             queue.scope("Viewer of Tank").call_later(list)
             assert caplog.messages == []

@@ -1,13 +1,13 @@
-"""``python -m tutorial``, and the command ``tank``."""
+"""Runs the command ``tank``, also as ``python -m tutorial``."""
 
 import gc
 import signal
 
-signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command takes Ctrl-C over, it ends all without a traceback
-signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # which waits for this where `parent_watch` starts it
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command handles Ctrl-C, it ends the process without a traceback
+signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # `parent_watch` starts its command with SIGINT blocked
 
-gc.disable()  # what is imported stays
-from tutorial.commands.tank import main  # noqa: E402 - it takes a moment, in which Ctrl-C may come
+gc.disable()  # imported modules stay, so collecting meanwhile finds nothing
+from tutorial.commands.tank import main  # noqa: E402 - this takes a moment, and Ctrl-C may come before it ends
 
 gc.freeze()
 gc.enable()

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FindCamera = Callable[["Body", str], Any]
 
-SHOWN_GROUPS = 3  # MuJoCo's convention: groups 0 to 2 are shown, the others are inner workings
+SHOWN_GROUPS = 3  # MuJoCo's convention: viewers show groups 0 to 2, and hide the others
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -33,8 +33,8 @@ class Joint:
 
     Attributes:
         name: without the body's prefix.
-        range: ``(lower, upper)`` [rad or m]; infinite where the joint has no limit.
-        qpos_adr: where its position is in MuJoCo's ``qpos``.
+        range: ``(lower, upper)`` [rad or m]; infinite if the joint has no limit.
+        qpos_adr: the index of its position in MuJoCo's ``qpos``.
     """
 
     __slots__ = (
@@ -57,12 +57,12 @@ class Joint:
         self._ctrl: NDArray[np.float64] = data.ctrl
         self._model = model
         self._id = joint_id
-        self._effort_command: Command | None = None  # looked up when it is first used
+        self._effort_command: Command | None = None  # looked up at its first use
         self._target_command: Command | None = None
 
     @property
     def position(self) -> float:
-        """Position [rad or m]. Setting it moves a displayed body's joint, on the thread that the body belongs to."""
+        """Position [rad or m]. Setting it moves the joint of a displayed body; only the body's thread may do that."""
         return self._qpos.item(self.qpos_adr)
 
     @position.setter
@@ -81,7 +81,7 @@ class Joint:
         """Torque or force [N.m or N] of the joint's actuators in the last step. Setting it commands the motor.
 
         Raises:
-            TutorialError: set on a joint that has no motor, or has a servo; the text names the actuator and its kind.
+            TutorialError: on setting, if the joint has no motor, or has a servo; names the actuator and its kind.
         """
         return self._effort.item(self._dof_adr)
 
@@ -95,7 +95,7 @@ class Joint:
         """Position [rad or m] that the joint's position servo holds. Setting it commands the servo.
 
         Raises:
-            TutorialError: the joint has no position servo, or several; the text names the actuator and its kind.
+            TutorialError: the joint has no position servo, or several; names the actuator and its kind.
         """
         command = self._find_target_command()
         return (self._ctrl.item(command.adr) - command.offset) / command.scale
@@ -126,7 +126,7 @@ class Actuator:
 
     @property
     def ctrl(self) -> float:
-        """The control signal, in the unit that the model gives it; for a track its surface speed [m/s]."""
+        """The control signal, in the model's unit; for a track it is the surface speed [m/s]."""
         return self._ctrl.item(self._adr)
 
     @ctrl.setter
@@ -150,9 +150,9 @@ class Sensor:
 
     @property
     def value(self) -> NDArray[np.float64]:
-        """What it measured in the last step, a copy, shape (dim,), in its unit: [m/s^2] or [rad/s] along x, y, z.
+        """The last step's measurement: a copy, shape (dim,), in its unit, such as [m/s^2] or [rad/s] along x, y, z.
 
-        Setting it notes what a displayed body is said to measure, on the thread that the body belongs to.
+        Setting it stores a received measurement in a displayed body; only the body's thread may do that.
         """
         return self._measured.copy()
 
@@ -166,23 +166,22 @@ class Sensor:
 class Body:
     """A named part of a MuJoCo model and its state.
 
-    A displayed body has a model and a state of its own and belongs to the thread that made it, the main thread. A
-    simulated body is a part of the world that the simulation has composed, and belongs to whoever steps that.
-    What moves a displayed body raises WrongThreadError on any other thread.
+    A displayed body has its own model and state, and belongs to the thread that made it, the main thread. A simulated
+    body is part of the simulation's world, and belongs to the thread that steps it. Moving a displayed body on any
+    other thread raises WrongThreadError.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.
         model: the model.
         data: its state.
-        guard: says who may move the displayed body; None for a simulated one.
-        find_camera: called with the body and a camera's name, for pictures of a simulated body; None for a displayed
-            one.
+        guard: restricts a displayed body to its thread; None for a simulated body.
+        find_camera: called with a simulated body and a camera's name, returns the camera; None for a displayed body.
 
     Attributes:
         name, model, data, find_camera: as given.
-        joints: the hinge and slide joints of groups 0 to 2, in the model's order. Those of higher groups (MuJoCo hides
-            them) are inner workings, such as the wheels in a track.
-        qpos_slice: which part of MuJoCo's ``qpos`` is this body's.
+        joints: the hinge and slide joints of groups 0 to 2, in the model's order. MuJoCo hides higher groups, which
+            are internal parts, such as the wheels in a track.
+        qpos_slice: the body's part of MuJoCo's ``qpos``.
     """
 
     def __init__(
@@ -210,10 +209,10 @@ class Body:
 
     @classmethod
     def displayed(cls, placement: Placement) -> Body:
-        """Make a body that is shown, from its model file. It belongs to the calling thread.
+        """Make a displayed body from its model file. It belongs to the calling thread.
 
         Args:
-            placement: its name and its model.
+            placement: the body's name and model.
 
         Raises:
             TutorialError: the model does not load.
@@ -240,52 +239,52 @@ class Body:
 
     @property
     def qpos(self) -> NDArray[np.float64]:
-        """A view on its part of MuJoCo's ``qpos``, shape (nq,)."""
+        """A view of its part of MuJoCo's ``qpos``, shape (nq,)."""
         qpos: NDArray[np.float64] = self.data.qpos[self.qpos_slice]
         return qpos
 
     @property
     def followers(self) -> frozenset[str]:
-        """The names of the joints that follow others, because `set_joint_positions` has never named them."""
+        """The coupled joints that `set_joint_positions` has never named, so that they still follow other joints."""
         return self._followers.names if self._followers else frozenset()
 
     def joint(self, name: str) -> Joint:
         """Find a joint by name.
 
         Raises:
-            TutorialError: the body has no such joint; the text names the nearest.
+            TutorialError: the body has no such joint; suggests the nearest name.
         """
         if name not in self._by_name:
             raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{did_you_mean(name, self.joint_names)}")
         return self._by_name[name]
 
     def actuator(self, name: str) -> Actuator:
-        """Find an actuator by name; raises what `joint` does."""
+        """Find an actuator by name; raises the same error as `joint`."""
         number = self.find_id("actuator", self.model.actuator, self.model.nactuator, name)
         return Actuator(name, self.data, int(self.model.actuator_ctrladr[number]))
 
     def sensor(self, name: str) -> Sensor:
-        """Find a sensor by name; raises what `joint` does."""
+        """Find a sensor by name; raises the same error as `joint`."""
         number = self.find_id("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def camera(self, name: str) -> Any:
-        """Find a camera of a simulated body by name, a `tutorial.view.camera.Camera`; raises what `joint` does."""
+        """Find a simulated body's `tutorial.view.camera.Camera` by name; raises the same error as `joint`."""
         if self.find_camera is None:
-            raise TutorialError(f"no pictures are taken of the body {self.name!r}: ask the simulated one, io.body.")
+            raise TutorialError(f"the displayed body {self.name!r} takes no pictures. Use the simulated body, io.body.")
         return self.find_camera(self, name)
 
     def find_id(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
-        """Return MuJoCo's number of an element of the body, such as a camera.
+        """Return MuJoCo's id of one of the body's elements, such as a camera.
 
         Args:
-            kind: what it is, as it should appear in the error.
-            element: what MuJoCo finds elements of the kind with, by number, such as ``model.camera``.
-            count: how many elements of the kind the whole model has.
+            kind: the kind of element, as the error should name it.
+            element: MuJoCo's method that returns an element of this kind by id, such as ``model.camera``.
+            count: the number of such elements in the whole model.
             name: without the body's prefix.
 
         Raises:
-            TutorialError: the body has none of this name; the text names the nearest.
+            TutorialError: the body has no such element; suggests the nearest name.
         """
         prefix = f"{self.name}/"
         every = {element(i).name: i for i in range(count)}
@@ -296,7 +295,7 @@ class Body:
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """Where its root, the first of its links, stands [m], a copy, shape (3,). Setting it moves a displayed body."""
+        """The position of its root, the first link [m], a copy, shape (3,). Setting it moves a displayed body."""
         return self._root.position.copy()
 
     @position.setter
@@ -306,7 +305,7 @@ class Body:
 
     @property
     def orientation_wxyz(self) -> NDArray[np.float64]:
-        """How its root is turned, as a unit quaternion, a copy, shape (4,). Setting it turns a displayed body."""
+        """The orientation of its root as a unit quaternion, a copy, shape (4,). Setting it turns a displayed body."""
         return self._root.wxyz.copy()
 
     @orientation_wxyz.setter
@@ -316,21 +315,21 @@ class Body:
 
     @property
     def twist(self) -> NDArray[np.float64]:
-        """How its root moves: linear [m/s], then angular [rad/s], along the root's own axes, a copy, shape (6,)."""
+        """Its root's velocity, linear [m/s], then angular [rad/s], along the root's own axes, a copy, shape (6,)."""
         linear, inverse = np.empty(3), self._root.wxyz * (1.0, -1.0, -1.0, -1.0)
-        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # which MuJoCo has along the world's axes
+        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's is along the world's axes
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
 
-        A coupled joint follows until it is named itself. All other joints stay where they are.
+        A coupled joint follows until it is first named. Joints that are not named and not coupled do not move.
 
         Args:
             positions: by joint name [rad or m].
 
         Raises:
-            TutorialError: there is no such joint.
+            TutorialError: the body has no joint of that name.
         """
         self._check("set_joint_positions")
         qpos = self.data.qpos
@@ -340,23 +339,23 @@ class Body:
             self._followers.update(positions, qpos)
 
     def calc_forward_kinematics(self) -> None:
-        """Compute where the links are, from the root's position and the joints'."""
+        """Compute the poses of the links from the root's pose and the joint positions."""
         self._check("calc_forward_kinematics")
         mujoco.mj_kinematics(self.model, self.data)
 
     def notify_change(self, report: JointReport | None = None) -> None:
-        """Call everything that was registered with `on_change`, so that the view shows the change.
+        """Call the observers, so that the view shows the change.
 
         Args:
-            report: of the message that changed the body, from joint matching; None for a change without a message. The
-                body only hands it on: the controller that has the report knows the body, and nobody who takes reports.
+            report: the matching report of the message that changed the body; None for a change without a message. The
+                body only passes it on, because a controller knows its body but not the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
             observer(report)
 
     def on_change(self, observer: Observer) -> None:
-        """Have ``observer(report)`` called, on the main thread, whenever the body has changed."""
+        """Register ``observer(report)``, to be called on the main thread after every change."""
         self._observers.append(observer)
 
     def _check(self, action: str) -> None:
@@ -365,13 +364,13 @@ class Body:
 
 
 def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:
-    """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
+    """Return a body's part of ``qpos``. It is one slice, because MuJoCo numbers the joints of a body in sequence."""
     bounds = [*model.jnt_qposadr.tolist(), model.nq]
     return slice(bounds[joint_ids[0]], bounds[joint_ids[-1] + 1]) if joint_ids else slice(0, 0)
 
 
 class _Root(NamedTuple):
-    """Views on where MuJoCo keeps the pose and the velocity of a body's root: of a free joint in the state."""
+    """Views of the pose and velocity of a body's root in MuJoCo's data; of a root that is fixed, in the model."""
 
     position: NDArray[np.float64]
     wxyz: NDArray[np.float64]
@@ -379,7 +378,7 @@ class _Root(NamedTuple):
 
     @classmethod
     def of(cls, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_ids: Sequence[int]) -> _Root:
-        """Find a body's root, whose first joint is a free one if it can move."""
+        """Find a body's root. If it can move, its first joint is a free joint."""
         if joint_ids and model.jnt_type[joint_ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
             adr, dof = int(model.jnt_qposadr[joint_ids[0]]), int(model.jnt_dofadr[joint_ids[0]])
             return cls(data.qpos[adr : adr + 3], data.qpos[adr + 3 : adr + 7], data.qvel[dof : dof + 6])

@@ -1,4 +1,4 @@
-"""What every controller is: the five moments of its life, and what it is given in each."""
+"""The base of all controllers, its five methods, and what they get."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ Ts = TypeVarTuple("Ts")
 
 
 class CallLater(Protocol):
-    """What `ControllerConfig.call_later` is."""
+    """The type of `ControllerConfig.call_later`."""
 
     def __call__(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """Run ``function(*args)`` on the main thread. Any thread."""
 
 
 class CallLatest(Protocol):
-    """What `ControllerConfig.call_latest` is."""
+    """The type of `ControllerConfig.call_latest`."""
 
     def __call__(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Run ``function(*args)`` on the main thread, in the place of a waiting call of the same key. Any thread."""
+        """Run ``function(*args)`` on the main thread, instead of a waiting call with the same key. Any thread."""
 
 
 @dataclass(frozen=True)
 class ControllerConfig:
-    """What a controller is given when it joins a body.
+    """What a controller gets when it joins a body.
 
     Attributes:
         body: the displayed body; it belongs to the main thread.
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
         call_later: ``call_later(function, *args)``, from any thread: run the function on the main thread. Every call is
-            kept, in order; those that still wait when the controller leaves its body do not run.
-        call_latest: ``call_latest(key, function, *args)``, as `call_later`, but a call of the same key that still
-            waits is replaced.
+            kept, in order. Calls that still wait when the controller leaves its body are dropped.
+        call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
+            key.
     """
 
     body: Body
@@ -54,7 +54,7 @@ class ControllerIO:
     Attributes:
         body: the simulated body.
         time_step: [s].
-        step: how many steps have been simulated since the program began; after a stop they go on.
+        step: the number of steps since the program began. Stopping and starting again does not reset it.
     """
 
     __slots__ = ("_step_ns", "body", "step", "time_step")
@@ -77,23 +77,23 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base of all controllers, named and cut as in the original. Each method says on which thread it is called.
+    """Base of all controllers, with the names and methods of the original. Each method names the thread that calls it.
 
-    A controller of a displayed body is configured and unconfigured; one in a simulated world is also initialized, asked
-    for control at every step, and stopped.
+    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world `initialize`, `control` at
+    every step, and `stop` come between them.
     """
 
     def configure(self, config: ControllerConfig) -> None:
         """Join a body: make publishers and subscriptions. Main thread."""
 
     def initialize(self, io: ControllerIO) -> None:
-        """Get ready for the first step, at every start of the simulation. The thread that steps it."""
+        """Get ready for the first step, at every start of the simulation. The simulation's thread."""
 
     def control(self) -> None:
-        """Read sensors and set actuators, before every step. The thread that steps the simulation."""
+        """Read sensors and set actuators, before every step. The simulation's thread."""
 
     def stop(self) -> None:
-        """Let go, when no step will ask for control any more. A thread of the simulation's."""
+        """Finish: `control` will not be called again until the next start. A thread of the simulation's."""
 
     def unconfigure(self) -> None:
-        """Leave the body: destroy what `configure` made. Main thread."""
+        """Leave the body: destroy the publishers and subscriptions that `configure` made. Main thread."""

@@ -1,4 +1,4 @@
-"""What goes wrong, said so that the reader knows the mend."""
+"""Errors whose texts say what is wrong and how to fix it."""
 
 import re
 import sys
@@ -8,30 +8,30 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-WIDE_SPACES = "\u00a0\u3000"  # not breaking, and as wide as a Japanese character: Python takes them for unprintable
+WIDE_SPACES = "\u00a0\u3000"  # no-break and ideographic space: visible, though Python calls them unprintable
 
 
 class TutorialError(Exception):
     """Base of every error that the library raises on purpose.
 
-    Its text is made for the learner: what was given, what was expected, and the mend.
+    Its text is written for the learner: what was given, what is wrong with it, and how to fix it.
     """
 
     def _render_traceback_(self) -> list[str]:
-        """What a notebook shows in place of a traceback: the text is about the learner's code, the frames are not."""
+        """Return the error's own line, which a notebook shows instead of a traceback through the library."""
         return [f"{type(self).__name__}: {self}"]
 
 
 class WrongThreadError(TutorialError):
-    """Something that belongs to one thread was touched from another."""
+    """A thread touched something that belongs to a different thread."""
 
 
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
-    """End a message about an unknown name: the nearest valid name, and all of them, or the first thirty.
+    """Return the end of a message about an unknown name: the nearest valid name, and up to thirty valid names.
 
     Args:
-        given: the name that is not known.
-        valid: the names that are.
+        given: the unknown name.
+        valid: the valid names.
 
     Returns:
         ``" Did you mean 'x'? Known are 'x', 'y'."``, with a leading space so that it can be appended to a sentence.
@@ -46,13 +46,13 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 
 
 def printable(text: str) -> str:
-    """Make a text from outside fit for a terminal: what is no visible character becomes its escape.
+    """Escape every invisible character of a text from outside, so that a terminal can print it safely.
 
-    That are control characters, which a terminal obeys, those that turn the direction of writing around, line ends and
-    half characters.
+    Escaped are control characters, which a terminal would obey, characters that reverse the direction of writing, line
+    ends and lone surrogates.
 
     Returns:
-        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; a text of visible characters as it is.
+        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; a text of visible characters is returned unchanged.
     """
     if text.isprintable():
         return text
@@ -62,25 +62,25 @@ def printable(text: str) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """As `printable`, for a text that has line ends and tabs of its own: they stay.
+    """Do the same as `printable`, but keep line ends and tabs.
 
-    What comes from outside is made `printable` before it is put into such a text, or it could add lines to it.
+    Pass each part from outside through `printable` before you put it into such a text, or it could add lines.
     """
     return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
 
 def file_of(written: type) -> str:
-    """Return the file, or the notebook's cell, that a class is written in; empty for one without methods."""
+    """Return the file, or the notebook's cell, that defines a class; empty if the class has no methods."""
     codes = (getattr(attribute, "__code__", None) for attribute in vars(written).values())
     return next((code.co_filename for code in codes if code is not None), "")
 
 
 def tell(error: BaseException, file: str) -> str:
-    """Say in one line what went wrong in somebody's file, and where: the innermost place that is in it.
+    """Describe in one line an error that a file raised, with its innermost line in that file.
 
     Args:
         error: what was raised.
-        file: the path of the file that the reader can mend, or what a kernel calls a cell.
+        file: the path of the file that the reader can fix, or a kernel's name for a cell.
 
     Returns:
         For instance ``"hello_world.py, line 8, in control: ZeroDivisionError: division by zero"``.
@@ -96,14 +96,14 @@ def tell(error: BaseException, file: str) -> str:
 
 
 def where(thread: threading.Thread, file: str = "") -> str:
-    """Say which line a thread is at that does not come to its end.
+    """Return the line that a thread is executing, as the end of a message about a thread that does not return.
 
     Args:
         thread: the thread.
-        file: whose innermost line is meant, if the thread is in it; else the innermost of all is.
+        file: if the thread is in this file, report the innermost line there; else the innermost line of all.
 
     Returns:
-        For instance ``": it is at mine.py, line 8, in control"``; empty when it has ended.
+        For instance ``": it is at mine.py, line 8, in control"``; empty if the thread has ended.
     """
     inner = frame = sys._current_frames().get(thread.ident or 0)
     while frame is not None and frame.f_code.co_filename != file:
@@ -116,6 +116,6 @@ def where(thread: threading.Thread, file: str = "") -> str:
 
 
 def _title(file: str) -> str:
-    """Name a file; the files that a kernel says its cells come from do not exist, and their names say nothing."""
+    """Name a file for the reader; "your cell" for a cell, whose file name in the kernel means nothing to a reader."""
     path = Path(file)
     return "your cell" if path.parent.name.startswith("ipykernel_") else path.name

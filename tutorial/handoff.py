@@ -1,10 +1,10 @@
 """Handing work from one thread to another: the first of the two ideas that the tutorial is about.
 
-A callback arrives on whatever thread its source has: ROS 2's executor, a widget's, a timer's. It may not touch what
-belongs to another thread; it leaves the news where the owner finds it, and returns. There are two deliveries:
+A callback runs on the thread of its source: ROS 2's executor, a widget or a timer. It must not touch anything that
+belongs to a different thread, so it hands the news over and returns. There are two ways:
 
-- a *snapshot*, of which only the newest counts: `Latest`, and `CallScope.call_latest`;
-- an *event*, of which none may be lost: `CallScope.call_later`.
+- a *snapshot*, where only the newest value matters: `Latest`, and `CallScope.call_latest`;
+- an *event*, where every one matters: `CallScope.call_later`.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
-CROWD = 1000  # waiting calls, beyond which it is said that they are too many
-LONG_WAIT = 10.0  # [s] beyond which it is said that a call has waited too long
+CROWD = 1000  # waiting calls; more of them are logged as too many
+LONG_WAIT = 10.0  # [s]; a call that waits longer is logged
 BUSY = (
-    "the main thread is too busy for what is posted to it: %d waiting, the first for %.1f s. Let it do less at a time; "
-    "where only the newest counts, %s may post with call_latest(key, f, message)"
+    "the main thread is too busy for the calls posted to it: %d waiting, the first for %.1f s. Do less in each call; "
+    "if only the newest message matters, %s can post with call_latest(key, f, message)"
 )
 
 _log = logging.getLogger(__name__)
@@ -42,7 +42,7 @@ _log = logging.getLogger(__name__)
 class Latest(Generic[T]):
     """A value under a lock: one thread puts the newest, another takes it.
 
-    What is put is handed over, not copied: the giver leaves it alone from then on, and the taker copies what it keeps.
+    A value is handed over, not copied: the giver must not change it afterwards, and the taker copies what it keeps.
 
     Args:
         value: what `get` returns until something is put.
@@ -64,18 +64,18 @@ class Latest(Generic[T]):
 
 
 class CallQueue:
-    """Calls that any thread may post, and that run on the main thread's event loop in the order of their posting.
+    """Calls that any thread may post. The main thread's event loop runs them in the order of posting.
 
     Underneath is one locked queue, and one `call_soon_threadsafe` that wakes the loop when the queue stops being empty.
-    One turn of the loop runs what was queued when the turn began, so calls that post calls cannot hold it.
-    When many calls wait, or one waits long, that is logged, once.
+    One turn of the loop runs the calls that were queued when it began, so calls that post calls cannot block the loop.
+    A warning is logged once if many calls wait, or if one waits too long.
 
     Args:
         loop: the main thread's loop.
-        trace: where to write down when each call is posted and when it runs; None for nowhere.
+        trace: records when each call is posted and when it runs; None to record nothing.
 
     Attributes:
-        error: what a call raised last, SystemExit included; None when none did.
+        error: the last error that a call raised, SystemExit included; None if there was none.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, trace: HandoffTrace | None = None) -> None:
@@ -89,21 +89,21 @@ class CallQueue:
         self._told = False
 
     def __len__(self) -> int:
-        """How many calls wait, those of closed scopes included."""
+        """Return the number of waiting calls, including those of closed scopes."""
         return len(self._waiting)
 
     def scope(self, owner: str) -> CallScope:
-        """Make a front for one poster, the owner, as the log calls it; it is closed without closing the queue."""
+        """Return a scope for one poster. Closing it drops its calls alone. The log calls it by the name in `owner`."""
         return CallScope(self, owner)
 
     def close(self) -> None:
-        """Drop what waits; from now on posting does nothing. Idempotent, any thread."""
+        """Drop all waiting calls, and ignore calls posted from now on. Idempotent, any thread."""
         with self._lock:
             self._closed = True
             self._waiting.clear()
 
     def _post(self, call: _Call, key: Hashable) -> None:
-        """Queue a call, or replace the waiting one of the same key; drop it if it came too late."""
+        """Queue a call, or replace the waiting call with the same key. Drop it if the queue or its scope is closed."""
         with self._lock:
             if self._closed or call.scope.closed or not self._wake():
                 return
@@ -112,11 +112,11 @@ class CallQueue:
             replaced = self._waiting.get(key)
             if replaced is not None:
                 call.take_place_of(replaced)
-            self._waiting[key] = call  # a new key comes last, a known one stays where it is
+            self._waiting[key] = call  # a new key goes to the end, a known key keeps its place
         self._tell()
 
     def _tell(self) -> None:
-        """Say that many calls wait, or one waits long, unless it was said. Any thread."""
+        """Warn once that many calls wait, or that one has waited too long. Any thread."""
         with self._lock:
             if self._told or not self._waiting:
                 return
@@ -127,7 +127,7 @@ class CallQueue:
             _log.warning(BUSY, count, waits, first.scope.owner)
 
     def _wake(self) -> bool:
-        """Ask the loop for a turn unless one is coming; False when the loop is gone. Holds the lock."""
+        """Request a turn of the loop unless one is due. Return False if the loop is closed. Call with the lock held."""
         if not self._awake:
             try:
                 self._loop.call_soon_threadsafe(self._turn)
@@ -137,7 +137,7 @@ class CallQueue:
         return True
 
     def _turn(self) -> None:
-        """Run what waits now; what comes in meanwhile gets a turn of its own. Main thread."""
+        """Run the calls that wait now; calls posted meanwhile get the next turn. Main thread."""
         try:
             self._tell()
             for _ in range(len(self._waiting)):
@@ -145,7 +145,7 @@ class CallQueue:
                 if call is None:
                     break
                 call.run()
-        finally:  # also after a KeyboardInterrupt: in a notebook the loop goes on, and so does what waits
+        finally:  # also after a KeyboardInterrupt: in a notebook, the loop and the waiting calls go on
             with self._lock:
                 self._awake = False
                 if self._waiting:
@@ -157,11 +157,11 @@ class CallQueue:
 
 
 class CallScope:
-    """One poster's front of a `CallQueue`: what it has posted does not run any more once the scope is closed.
+    """One poster's access to a `CallQueue`. Once the scope is closed, its waiting calls will not run.
 
     Attributes:
-        queue: where its calls wait.
-        owner: who posts.
+        queue: holds its calls.
+        owner: the poster's name, for the log.
         closed: whether `close` was called.
     """
 
@@ -171,20 +171,20 @@ class CallScope:
         self.closed = False
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
+        """Run ``function(*args)`` on the main thread. Every call is kept, in order. Any thread."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
-        self.queue._post(call, call)  # a key of its own, so nothing is replaced
+        self.queue._post(call, call)  # a unique key, so it replaces nothing
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """As `call_later`, but a waiting call of the same key, such as a body's name, is replaced, in its place."""
+        """Do the same as `call_later`, but replace a waiting call with the same key, such as a body's name."""
         frame = sys._getframe(1)
         self.queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 
     def close(self) -> None:
-        """What still waits will not run; from now on posting does nothing. Idempotent.
+        """Drop its waiting calls, and ignore calls posted from now on. Idempotent, any thread.
 
-        Any thread; but a call that runs already goes on, so only the main thread knows that nothing runs afterwards.
+        A call that is already running continues, so only the main thread can be sure that nothing runs afterwards.
         """
         self.closed = True
 
@@ -203,7 +203,7 @@ class _Call:
     handoff: Handoff | None = None
 
     def take_place_of(self, older: _Call) -> None:
-        """Replace an older call: keep its posting time, and tell its trace."""
+        """Replace an older call: take over its posting time, and mark it as superseded in the trace."""
         self.posted_at = older.posted_at
         if older.handoff is not None:
             older.handoff.supersede(self.handoff)
@@ -215,17 +215,17 @@ class _Call:
             self.handoff.apply()
         try:
             self.function(*self.args)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the other calls go on
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - the other calls go on
             self.scope.queue.error = error
             posted = f"{self.frame_code.co_filename}:{self.frame_line} on the thread {self.thread!r}"
-            _log.exception("%s: a call that was posted at %s failed", self.scope.owner, posted)
+            _log.exception("%s: a call posted at %s failed", self.scope.owner, posted)
 
 
 class ThreadGuard:
-    """Remembers the thread it was made on, and raises when another one comes by.
+    """Remembers the thread that made it, and raises an error on any other thread.
 
     Args:
-        what: what is guarded, as it should appear in the error, for instance ``"the body 'Tank'"``.
+        what: the guarded thing, as the error should name it, for instance ``"the body 'Tank'"``.
     """
 
     def __init__(self, what: str) -> None:
@@ -234,13 +234,13 @@ class ThreadGuard:
         self._ident = threading.get_ident()
 
     def check(self, action: str) -> None:
-        """Pass on the owner's thread, raise on any other.
+        """Raise an error unless the calling thread is the owner.
 
         Args:
-            action: what was about to be done, for instance ``"set_joint_positions"``.
+            action: the name of the guarded call, for instance ``"set_joint_positions"``.
 
         Raises:
-            WrongThreadError: called on another thread than the one that made the guard.
+            WrongThreadError: the calling thread did not make the guard.
         """
         if threading.get_ident() != self._ident:
             raise WrongThreadError(

@@ -2,7 +2,7 @@
 
 In a ``sensor_msgs/JointState`` the names identify the joints. A viewer that takes the i-th entry for its i-th joint
 shows the wrong pose as soon as a publisher sends its joints in a different order, or only some of them.
-`match_joints` is the idea. `JointMatcher` adds what only a stream of messages shows: late ones, and other publishers.
+`match_joints` is the idea. `JointMatcher` adds what only a stream of messages can show: late messages and rivals.
 """
 
 from __future__ import annotations
@@ -19,34 +19,34 @@ from tutorial.errors import did_you_mean
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-NAMES_KEPT = 3  # in each part of a report, so that it stays small whatever comes in
-SECOND_NS = 1_000_000_000  # a stamp that steps back further than this means that the publisher was started again
-PAUSE_NS = 10 * SECOND_NS  # the longest pause between two messages of one publisher, if there are several
-SHOWABLE = 1e9  # [rad or m] nothing moves further; single precision, with which views draw, still holds its square
-SLACK = 1e-3  # [rad or m] beyond a range that is not worth reporting: simulated limits are soft
+NAMES_KEPT = 3  # in each part of a report, which stays small however many names a message has
+SECOND_NS = 1_000_000_000  # a stamp that steps back further means that the publisher was restarted
+PAUSE_NS = 10 * SECOND_NS  # among several publishers, none pauses for longer between two messages
+SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
+SLACK = 1e-3  # [rad or m] too little beyond a range to report, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
-COUNT_EVERY = 10  # messages from one count of the publishers to the next
+COUNT_EVERY = 10  # messages between two counts of the publishers
 SILENT_AFTER = 25  # rivals' messages in a row, per rival: then the followed publisher is silent
-SHARED = 60  # jumps of a joint back to its position before last: then two publishers take turns
+SHARED = 60  # jumps of a joint back to its position before last: then two publishers share it
 Ranges = Mapping[str, tuple[float, float]]
 
 
 def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[dict[str, float], JointReport]:
-    """Find out which joint one message moves where.
+    """Match one message with the joints of a body.
 
     Args:
         joints: the names of a body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
-        message: what came in; nothing is assumed about it but its type.
+        message: the message; apart from its type, its content can be anything.
 
     Returns:
-        The position of each joint that moves [rad or m], and the report. A joint without a usable number stays where
-        it is. If a message names a joint twice, its last usable number counts.
+        The position of each joint that moves [rad or m], and the report. A joint without a usable number does not
+        move. If a message names a joint twice, the last usable number counts.
     """
     ranges = _ranges(joints)
     names, positions = message.name, message.position
     known = [(name, position) for name, position in zip(names, positions) if name in ranges]
-    usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # NaN is not; the last wins
-    received = dict(known) | usable  # in the message's order; an unusable number only where there is no other
+    usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # False for NaN; the last wins
+    received = dict(known) | usable  # in the message's order; unusable numbers only for joints without a usable one
     shown = {joint: position for joint, position in received.items() if joint in usable}
     strange, named = [name for name in names if name not in ranges], Counter(name for name, _ in known)
     limits = {joint: _with_slack(ranges[joint]) for joint in shown}
@@ -64,14 +64,14 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
 
 
 class NameList(NamedTuple):
-    """Names that have something in common: how many there are, and the first few of them."""
+    """A group of names: how many there are, and the first few of them."""
 
     total: int = 0
     names: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, names: Sequence[str]) -> NameList:
-        """Count the names and keep the first few, each cut to 40 characters."""
+        """Count the names and keep the first few, each cut off after 40 characters."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
@@ -80,49 +80,49 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the ones before it. If its joints differ, the report has the one that comes last here."""
+    """How a message follows the previous ones. If its joints differ, the report has the value that comes last here."""
 
-    NEXT = ""  #: it is the next one of its publisher
-    RESTARTED = "the publisher was started again"  #: its stamp steps far back
+    NEXT = ""  #: the publisher's next message
+    RESTARTED = "the publisher was started again"  #: the stamp steps far back
     SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: from now on
-    LATE = "a late message was dropped"  #: it was older than the last one
-    ANOTHER = "a message of another publisher was dropped"  #: not of the one that is followed
+    LATE = "a late message was dropped"  #: older than the last message
+    ANOTHER = "a message of another publisher was dropped"  #: not from the publisher that is followed
 
 
 class JointReport(NamedTuple):
-    """What was made of one message."""
+    """The result of matching one message."""
 
-    joints: tuple[str, ...] = ()  #: those that got a position
+    joints: tuple[str, ...] = ()  #: the joints that got a position
     arrival: Arrival = Arrival.NEXT
-    unmoved: NameList = NameList()  #: joints for which it was dropped, while it moved others
-    unknown: NameList = NameList()  #: names that are no joints of the body
-    duplicate: NameList = NameList()  #: joints that were named more than once; the last number that can be shown won
-    short: int = 0  #: how many names came without a position
-    long: int = 0  #: how many positions came without a name
-    non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they keep their last good value
-    huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to be shown; they keep theirs, too
+    unmoved: NameList = NameList()  #: joints that it did not move, as late or a rival's, though it moved others
+    unknown: NameList = NameList()  #: names that the body has no joint for
+    duplicate: NameList = NameList()  #: joints named more than once; the last usable number won
+    short: int = 0  #: the number of names without a position
+    long: int = 0  #: the number of positions without a name
+    non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they did not move
+    huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to be shown; they did not move
     outside: NameList = NameList()  #: joints whose position is outside their range; they are shown as received
-    known: tuple[str, ...] = ()  #: the joints of the body, if a name is unknown
+    known: tuple[str, ...] = ()  #: the joints of the body, if a name was unknown
 
     @property
     def dropped(self) -> bool:
-        """Whether the message moved nothing: it was late, or of another publisher."""
+        """Whether the message moved no joint, because it was late or a rival's."""
         return self.arrival in (Arrival.LATE, Arrival.ANOTHER) and not self.joints
 
     @property
     def clean(self) -> bool:
-        """Whether there is nothing to complain about."""
+        """Whether the report has no complaints."""
         return self[1:-1] == JointReport()[1:-1]
 
     def counts(self) -> dict[str, int]:
-        """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
+        """Return the number of joints or names of each kind, to be summed up over many messages."""
         arrivals = {each.name.lower(): int(each is self.arrival) for each in Arrival if each is not Arrival.NEXT}
         kinds = ((kind, getattr(self, kind)) for kind in self._fields[2:-1])
         found = {kind: each.total if isinstance(each, NameList) else each for kind, each in kinds}
         return {"matched": len(self.joints), **arrivals, **found}
 
     def __str__(self) -> str:
-        """One line for the log and for below the 3D view."""
+        """Return the line for the log and below the 3D view."""
         if self.dropped:
             return self.arrival.value
         shown = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)} shown"
@@ -146,27 +146,30 @@ class JointReport(NamedTuple):
 class JointMatcher:
     """Decides which joints each message of one topic moves. It has no thread and no clock.
 
-    `match_joints` matches the names. Then each joint is judged by itself, against the message that moved it last: an
-    older one is late, and one over a second older means that the publisher was restarted. Publishers of different
-    joints are all shown. Of those that publish the same joint, one is followed until it falls silent.
+    `match_joints` matches the names. Then each joint is judged separately, against the message that moved it last: an
+    older message is late, and a message over a second older means that the publisher was restarted. Publishers of
+    different joints are all shown. If several publish the same joint, one is followed until it falls silent.
 
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
-        publishers: returns how many publish on the topic, such as a subscription's ``get_publisher_count``.
+        publishers: returns the number of publishers on the topic, such as a subscription's ``get_publisher_count``.
     """
 
     def __init__(self, joints: Ranges | Iterable[str], publishers: Callable[[], int] = lambda: 1) -> None:
         self._ranges = dict(_ranges(joints))
         self._publishers = _Publishers(self._ranges, publishers)
-        self._tracks: dict[str, _Track] = {}  # by joint, once a message has moved it
-        self._last, self._plan = _Track({}, -inf), _Plan()  # what the last message moved, and how it was matched
+        self._tracks: dict[str, _Track] = {}  # by joint, from the first message that moves it
+        self._last, self._plan = (
+            _Track({}, -inf),
+            _Plan(),
+        )  # of the last message: the joints it moved, and its plan
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
-        """Match the next message as `match_joints` does, but look up names only if they have changed."""
+        """Match the next message like `match_joints`, but look the names up only if they have changed."""
         stamp, last, plan = message.header.stamp, self._last, self._plan
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
         ahead = stamp_ns - last.stamp_ns  # infinite for the first message
-        steady = 0 < ahead <= SECOND_NS or ahead == stamp_ns == 0  # both are 0 where nobody sets the stamps
+        steady = 0 < ahead <= SECOND_NS or ahead == stamp_ns == 0  # both are 0 if the publisher does not set the stamps
         if steady and plan.names == message.name and plan.length == len(message.position) and self._publishers.alone():
             positions = plan.positions(list(message.position))  # a list is read faster than an array
             if positions is not None:
@@ -175,7 +178,7 @@ class JointMatcher:
         return self._judge(message, stamp_ns)
 
     def _judge(self, message: JointState, stamp_ns: int) -> tuple[dict[str, float], JointReport]:
-        """Match a message that is not the usual one, and decide which of its joints it moves."""
+        """Match an unusual message, and decide which of its joints it moves."""
         positions, report = match_joints(self._ranges, message)
         if not positions:
             return {}, report
@@ -198,15 +201,15 @@ class JointMatcher:
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """Joints that the same message moved last. The usual message updates it in place."""
+    """Joints that were last moved by the same message. The usual next message updates the track in place."""
 
-    positions: Mapping[str, float]  # in that message; some of its joints may have moved again
+    positions: Mapping[str, float]  # in that message; some of these joints may have moved since
     stamp_ns: float
-    dropped: int = 0  # messages in a row since then that were another publisher's
+    dropped: int = 0  # rivals' messages in a row since then
 
 
 class _Publishers:
-    """Tells the publishers of one topic apart by what they send, because in rclpy no message says who sent it.
+    """Tells the publishers of one topic apart by their messages, because in rclpy a message does not name its sender.
 
     With as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. Otherwise a
     message is a rival's if it is older than the last one, over 10 s newer, or lets a joint jump. Once it is known where
@@ -216,9 +219,9 @@ class _Publishers:
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
         self._half_range = {joint: (upper - low) / 2 for joint, (low, upper) in ranges.items() if upper < SHOWABLE}
         self._count, self._counted = count, 0
-        self._alone_for = 0  # messages until they are counted again
+        self._alone_for = 0  # messages until the publishers are counted again
         self._groups: list[set[str]] = []  # joints that are published together
-        self._elsewhere: dict[str, float] = {}  # where another publisher has a joint
+        self._elsewhere: dict[str, float] = {}  # where the rival has a joint
         self._received: dict[str, tuple[float, float, float]] = {}  # last position, the one before, and jumps back
 
     def alone(self) -> bool:
@@ -227,12 +230,12 @@ class _Publishers:
         return self._alone_for >= 0 or self._recount() <= 1
 
     def rivals(self, positions: Mapping[str, float]) -> int:
-        """Note which joints come together, and count the other publishers that may share them."""
+        """Note which joints are published together, and count the other publishers that may share them."""
         count, group = self._recount(), set(positions)
         apart = [each for each in self._groups if each.isdisjoint(group)] if count > 1 else []
         self._groups = [*apart, group.union(*(each for each in self._groups if each not in apart))]
         shared = count > 1 and max([self._jumps_back(*each) for each in positions.items()]) >= SHARED
-        return max(count - 1 - len(apart), shared)  # each set of other joints has a publisher of its own
+        return max(count - 1 - len(apart), shared)  # each separate set of joints has its own publisher
 
     def _jumps_back(self, joint: str, position: float) -> float:
         """Count jumps of a joint back to its position before last. Any other jump subtracts a quarter."""
@@ -246,18 +249,18 @@ class _Publishers:
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
         """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
         ahead = stamp_ns - track.stamp_ns
-        if rivals <= 0 and not track.dropped:  # only one publisher sends these joints, and it was heard last
+        if rivals <= 0 and not track.dropped:  # these joints have one publisher, and it sent the last message
             restarted = ahead < -SECOND_NS or (ahead < 0 and stamp_ns <= 0)
             return Arrival.RESTARTED if restarted else Arrival.LATE if ahead < 0 else Arrival.NEXT
         if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead, rivals):
             return Arrival.NEXT
         track.dropped += 1
-        silent = track.dropped >= SILENT_AFTER * rivals  # at once where no rival is left
+        silent = track.dropped >= SILENT_AFTER * rivals  # at once if no rival is left
         self._elsewhere |= {joint: track.positions.get(joint, inf) for joint in positions} if silent else positions
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
     def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint moves further than its own publisher could, and to where a rival may have it."""
+        """Return whether a joint moves further than its publisher could, to a place where a rival may have it."""
         reach = REACH + SPEED * ahead / SECOND_NS
         moved = {joint: abs(position - track.positions.get(joint, position)) for joint, position in positions.items()}
         far = [joint for joint in moved if moved[joint] > min(reach, self._half_range.get(joint, inf))]
@@ -266,19 +269,19 @@ class _Publishers:
 
     def _recount(self) -> int:
         count = self._count()
-        if count < self._counted:  # one has left, and it is unknown which
+        if count < self._counted:  # a publisher has left, and it is unknown which
             self._groups, self._elsewhere, self._received = [], {}, {}
         self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY - 1
         return count
 
 
 class _Plan(NamedTuple):
-    """How to read every message that has the same names: where the position of each joint is."""
+    """Where to find each joint's position in every message that has the same names."""
 
     names: Sequence[str] = ()
-    length: int = 0  # how many positions it has
-    places: tuple[tuple[str, int, float, float], ...] = ()  # joint, index, and range, with slack and finite
-    report: JointReport = JointReport()  # where every position is within its range
+    length: int = 0  # the number of positions
+    places: tuple[tuple[str, int, float, float], ...] = ()  # joint, index, and finite range with slack
+    report: JointReport = JointReport()  # if every position is within its range
 
     @classmethod
     def of(cls, ranges: Ranges, message: JointState, report: JointReport) -> _Plan:
@@ -287,7 +290,7 @@ class _Plan(NamedTuple):
         return cls(list(message.name), len(message.position), places, report._replace(outside=NameList()))
 
     def positions(self, received: Sequence[float]) -> dict[str, float] | None:
-        """Return the position of each joint, or None where one is not within its range."""
+        """Return the position of each joint, or None if a position is out of range."""
         found = {}
         for joint, i, low, high in self.places:
             position = received[i]

@@ -1,4 +1,4 @@
-"""What a viewer of poses refuses to show, and a count of what it leaves out."""
+"""Finds poses and joint states that a viewer cannot show, and counts the messages that it leaves out."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from geometry_msgs.msg import TransformStamped
     from rclpy.node import Node
 
-LARGEST = 100_000  # numbers and characters of a message of joint states: no robot has so many
-FARTHEST = 1e9  # [m] single precision, with which views draw, still holds its square
-TOLERANCE = 0.01  # by which a quaternion's squared length may differ from 1
-QUIET = 50  # messages left out before the first that is shown: the viewer hears one topic earlier than the other
+LARGEST = 100_000  # numbers and characters in one joint state message: more than any robot needs
+FARTHEST = 1e9  # [m]; views draw in single precision, which still holds its square
+TOLERANCE = 0.01  # for the squared length of a unit quaternion
+QUIET = 50  # messages left out silently at the start, because the viewer matches one topic before the other
 
 
 def fault_of(message: JointState | TransformStamped) -> str:
@@ -25,7 +25,7 @@ def fault_of(message: JointState | TransformStamped) -> str:
     p, q = message.transform.translation, message.transform.rotation
     if message.header.frame_id != "odom":
         return "with another parent than odom"
-    if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # NaN is not, either
+    if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # False for NaN, too
         return "with a place that is not finite, or too far away"
     if not abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) <= TOLERANCE:
         return "with a rotation that is no unit quaternion"
@@ -33,15 +33,15 @@ def fault_of(message: JointState | TransformStamped) -> str:
 
 
 class Tally:
-    """Counts what a viewer shows and leaves out. Logs it once in five seconds, but not at the very beginning.
+    """Counts the messages that a viewer shows and leaves out. Logs the count every five seconds, except at the start.
 
     Args:
-        name: the body's.
-        node: its logger is used.
+        name: the body's name.
+        node: the node that logs.
 
     Attributes:
-        shown: the number of pairs.
-        left_out: the number of messages, by reason.
+        shown: the number of pairs shown.
+        left_out: the number of messages left out, by reason.
     """
 
     def __init__(self, name: str, node: Node) -> None:

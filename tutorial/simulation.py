@@ -1,4 +1,4 @@
-"""A simulation that can be started and stopped: it holds a world, and the thread that steps it in real time."""
+"""A simulation that can be started and stopped: a world, and the thread that steps it in real time."""
 
 import logging
 import sys
@@ -18,32 +18,32 @@ from tutorial.world import Placement
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
-LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to make up for; it gives up the rest
+LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up on; it skips the rest
 REPORT_EVERY = 5.0  # [s] between two warnings that the machine can't keep up
-STUCK = 3.0  # [s] that the controllers may take to return when somebody waits for them
-SLOW = 0.95  # of real time, below which the machine can't keep up
+STUCK = 3.0  # [s] for the controllers to return when a caller waits for them
+SLOW = 0.95  # of real time; below that, the machine can't keep up
 
 _log = logging.getLogger(__name__)
 
 
 class State(Enum):
-    """The state of a `Simulation`, which has a table of the events that lead from one to the next."""
+    """The state of a `Simulation`. Its docstring has the table of transitions."""
 
-    IDLE = "idle"  #: it stands still, and can be stepped
-    RUNNING = "running"  #: a thread steps it: its own, or the one that called `Simulation.advance`
-    FAILED = "failed"  #: it stands still because a controller raised `Simulation.error`, and can be stepped again
-    ABANDONED = "abandoned"  #: it stands still for good: a controller does not return, and may still touch its body
+    IDLE = "idle"  #: not being stepped; ready to step
+    RUNNING = "running"  #: a thread steps it: its own, or the caller of `Simulation.advance`
+    FAILED = "failed"  #: stopped, because a controller raised `Simulation.error`; can be stepped again
+    ABANDONED = "abandoned"  #: stopped for good: a controller does not return, and may still touch its body
 
 
 class Simulation:
     """A world of simulated bodies and their controllers, and the thread that steps it.
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
-    `stop`. Controllers see only the simulated copy of their bodies, through the `ControllerIO` that they are
-    initialized with. Any thread may call the methods, but no controller may.
+    `stop`. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is initialized
+    with. Any thread may call the methods, but a controller may not.
 
     Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
-    a few seconds of `stop` or `release`, the simulation is abandoned, and nobody touches it any more:
+    a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:
 
     =========  ==============  ===========  ===================  ============================
     state      start, advance  run is over  a controller raises  a controller does not return
@@ -54,19 +54,19 @@ class Simulation:
     ABANDONED  refused         never        never                never
     =========  ==============  ===========  ===================  ============================
 
-    A run is over after its duration, after `stop`, or after Ctrl-C. Outside of a run, controllers are only called to be
-    stopped. If one of those that `release` stops during a run raises, the run goes on, and ends in FAILED.
+    A run is over after its duration, after `stop`, or after Ctrl-C. Outside of a run, only the `stop` of controllers is
+    called. If that raises in `release` during a run, the run continues, and ends in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
 
     Attributes:
-        world: what is stepped; only the thread that steps it may touch it while the simulation is running.
-        bodies, model, time_step: those of the world.
-        snapshot: the newest state that other threads may take.
-        state: the state now.
-        error: the last error of a controller since the last start; None without one.
-        rest: the pause between two batches of steps in real time [s]. A longer one takes less of the processor.
+        world: the world; while the simulation runs, only the thread that steps it may touch it.
+        bodies, model, time_step: the world's.
+        snapshot: the world's newest state, for other threads.
+        state: the current state.
+        error: the last error of a controller since the last start; None if there was none.
+        rest: the pause between two batches of steps in real time [s]. A longer pause takes less processor time.
 
     Raises:
         TutorialError: the bodies do not make a world.
@@ -89,18 +89,18 @@ class Simulation:
         self.state = State.IDLE
         self.error: ControllerError | None = None
         # Two locks, always taken in this order. Methods that start, stop or change something take turns, and keep the
-        # turn while they wait for controllers. Changes of the state need only the second lock, which nobody holds while
-        # a controller runs: so a run can note its end while stop(), whose turn it is, waits for that.
+        # turn while they wait for controllers. A change of state needs only the second lock, which is never held while
+        # a controller runs. So a run can record its end while stop() holds the turn and waits for it.
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
-        # Two runs, because release() has some controllers stopped on one thread while another thread steps the rest.
-        # Each is the last of its kind; at first, both are one that is over.
+        # Two runs, because release() stops some controllers on one thread while a different thread steps the rest.
+        # Each is the last run of its kind. Both begin as a run that is over.
         self._stepping = self._stopping = Run(threading.current_thread())
         self._stepping.finished.set()
 
     @property
     def running(self) -> bool:
-        """Whether a thread steps it."""
+        """Whether a thread is stepping it."""
         return self.state is State.RUNNING
 
     @property
@@ -114,13 +114,13 @@ class Simulation:
         return self.world.time
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to where the newest snapshot has them. Main thread.
+        """Move displayed bodies to their positions in the newest snapshot. Main thread.
 
         Args:
-            bodies: displayed bodies; those that are not simulated stay where they are.
+            bodies: displayed bodies; bodies that are not simulated do not move.
 
         Returns:
-            The simulated time that they show now [s].
+            The simulated time of the snapshot [s].
         """
         snapshot = self.snapshot.get()
         for body in bodies:
@@ -135,14 +135,15 @@ class Simulation:
         """Step as fast as possible, on the calling thread.
 
         Args:
-            seconds: simulated time to go on by [s]; rounded to whole steps.
+            seconds: simulated time to advance by [s], rounded to whole steps.
 
         Raises:
-            ControllerError: a controller raised, and the simulation stops there; or one has never returned.
-            TutorialError: the simulation is running, or another thread stopped it before it was done.
+            ControllerError: a controller raised an exception, which stops the simulation; or a controller from an
+                earlier run has never returned.
+            TutorialError: the simulation is running, or a different thread stopped it early.
         """
         if seconds < 0:
-            raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0.")
+            raise TutorialError(f"advance({seconds}): time cannot run backwards. Give seconds >= 0.")
         run, error = Run(threading.current_thread()), None
         try:
             with self._turn("advance()"):
@@ -158,13 +159,13 @@ class Simulation:
         if run.abandoned:
             self._check_abandoned()
         if not done:
-            raise TutorialError(f"advance({seconds}) was stopped elsewhere, at {self.time:.3f} s. Call it again.")
+            raise TutorialError(f"another thread stopped advance({seconds}) at {self.time:.3f} s. Call it again.")
 
     def start(self, duration: float | None = None) -> None:
-        """Step in real time, on a thread of its own.
+        """Step in real time, on a separate thread.
 
         Args:
-            duration: stop after this much simulated time [s]; None to go on until `stop`.
+            duration: stop after this much simulated time [s]; None to run until `stop`.
 
         Raises:
             ControllerError: one of its controllers has never returned.
@@ -178,9 +179,9 @@ class Simulation:
             run.thread.start()
 
     def stop(self) -> None:
-        """End the run and stop the controllers. Idempotent. The world stays as it is.
+        """End the run and stop the controllers. The world keeps its state. Idempotent.
 
-        A controller that does not return keeps its thread, which then ends with the process: `error` says where it is.
+        The thread of a controller that does not return lives until the process ends; `error` names its current line.
         """
         with self._turn("stop()"):
             self._stepping.stopping.set()
@@ -189,7 +190,7 @@ class Simulation:
                 self._stop_controllers(self.world.dismiss())
 
     def release(self, body: str) -> None:
-        """Stop the controllers of a body, for good; the body itself stays in the world, which may be running.
+        """Stop the controllers of a body for good. The body stays in the world, which may be running.
 
         Args:
             body: the body's name.
@@ -200,7 +201,7 @@ class Simulation:
         with self._turn("release()"):
             self._check_abandoned()
             leaving = self.world.release(body)
-            if not self._stepping.wait_for_lap(STUCK):  # until then a step may still call those that leave
+            if not self._stepping.wait_for_lap(STUCK):  # until then, a step may still call the leaving controllers
                 self._abandon(self._stepping)
             if self.world.initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)
@@ -208,11 +209,13 @@ class Simulation:
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Let one caller after the other start, stop or change something. A controller would wait for itself."""
+        """Let one caller at a time start, stop or change something. A controller may not: it would wait for itself."""
         if self._stepping.is_mine() or self._stopping.is_mine():
-            raise TutorialError(f"{caller} was called by a controller, and would wait for it. Call it elsewhere.")
-        if not self._turn_lock.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers, at most twice
-            raise TutorialError(f"{caller}: another thread is still stopping this simulation. Call it again later.")
+            raise TutorialError(
+                f"{caller} was called by a controller, and would wait for it for ever. Call it elsewhere."
+            )
+        if not self._turn_lock.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers at most twice
+            raise TutorialError(f"{caller}: another thread is still stopping this simulation. Try again later.")
         try:
             yield
         finally:
@@ -235,7 +238,7 @@ class Simulation:
             self.state, self.error, self._stepping = State.RUNNING, None, run
 
     def _end(self, run: Run, error: ControllerError | None) -> None:
-        """Go to IDLE, or to FAILED if a controller raised. A run that was abandoned or never began changes nothing."""
+        """Go to IDLE, or to FAILED after an error. Do nothing for a run that was abandoned or never began."""
         with self._state_lock:
             if self._stepping is not run or run.finished.is_set():
                 return
@@ -245,7 +248,7 @@ class Simulation:
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
-        """Go from IDLE to FAILED if a controller raised when it was stopped; if a run goes on, its end does that."""
+        """Go from IDLE to FAILED if stopping a controller failed. During a run, leave that to the end of the run."""
         with self._state_lock:
             if error is not None and not run.abandoned:
                 self.error = error
@@ -253,7 +256,7 @@ class Simulation:
             run.finished.set()
 
     def _abandon(self, stuck: Run) -> None:
-        """Go to ABANDONED: give up a controller that does not return, and everything that it may still touch."""
+        """Go to ABANDONED: give up a controller that does not return, and all that it may still touch."""
         with self._state_lock:
             if stuck.finished.is_set():
                 return
@@ -267,14 +270,14 @@ class Simulation:
         _log.error("%s", text)
 
     def _wait_for(self, run: Run) -> None:
-        """Wait for the end of a run, or give it up."""
+        """Wait for a run to end, or abandon it."""
         if not run.finished.wait(STUCK):
             self._abandon(run)
         if run.is_own and not run.abandoned:
-            run.thread.join(STUCK)  # it has nothing more to do
+            run.thread.join(STUCK)  # it has nothing left to do
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
-        """Stop controllers on a thread of their own, which can be given up if one of them does not return."""
+        """Stop controllers on a separate thread, which can be abandoned if one of them does not return."""
         self._stopping = Run.on_own_thread(
             lambda run: self._end_stopping(run, self.world.stop_controllers(run, controllers))
         )
@@ -287,7 +290,7 @@ class Simulation:
         try:
             self.world.initialize(run)
             self._keep_pace(run, last_step)
-        except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end silently
+        except BaseException as error:  # noqa: BLE001 - the thread must not end silently
             failed = error if isinstance(error, ControllerError) else self.world.controller_error(run, error)
             _log.error("%s", failed)
         sys.setswitchinterval(USUAL_INTERVAL)
@@ -296,11 +299,11 @@ class Simulation:
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
         """Step so that simulated time follows real time.
 
-        The pace is counted from one origin, so that rounding and sleeping too long don't add up.
+        The pace is measured from a fixed origin, so rounding and late wake-ups don't add up.
         """
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
-            sys.setswitchinterval(SWITCH_INTERVAL)  # each time: another simulation that ends puts it back
+            sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because a simulation that ends resets it
             due = pace.steps_due(self.step)
             if last_step is not None:
                 due = min(due, last_step - self.step)
@@ -319,7 +322,7 @@ class _Pace:
         self._lost, self._since = 0.0, time.perf_counter()
 
     def steps_due(self, step: int) -> int:
-        """Return how many steps to take now, after so many."""
+        """Return how many steps to take now, after ``step`` steps."""
         now = time.perf_counter()
         debt = now - self._origin - step * self._time_step
         if debt > LONGEST_DEBT:
@@ -331,4 +334,4 @@ class _Pace:
             if ratio < SLOW:
                 _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
             self._lost, self._since = 0.0, now
-        return int(min(debt, 0.1) / self._time_step)  # few enough to notice a stop at once
+        return int(min(debt, 0.1) / self._time_step)  # small batches, so that a stop takes effect soon

@@ -1,4 +1,4 @@
-"""A MuJoCo world that is stepped together with its controllers. It has no thread and no lock of its own."""
+"""A MuJoCo world that is stepped together with its controllers. It has no thread and no lock."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _log = logging.getLogger(__name__)
 
 
 class ControllerError(TutorialError):
-    """A controller raised an exception, which is the cause of this one, or does not return. The simulation stopped."""
+    """A controller raised an exception (this error's cause), or does not return, so the simulation stopped."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The state of the whole simulated world at one moment, as a copy.
+    """A copy of the state of the whole simulated world.
 
     Attributes:
         time: simulated time [s].
@@ -40,16 +40,16 @@ class Snapshot:
 
 @dataclass(eq=False)
 class Run:
-    """The work of one thread that calls controllers. Other threads watch it, and may ask it to end.
+    """The work of one thread that calls controllers. Other threads watch it, and can ask it to end.
 
     Attributes:
         thread: the thread.
         is_own: whether the thread was made for the run, and ends with it.
-        controller: the controller that was called last, and may still be running; None while MuJoCo steps.
-        laps: counts up between two steps, when no controller is running.
+        controller: the controller that was called last and may still be running; None while MuJoCo steps.
+        laps: a counter that goes up between two steps, when no controller is running.
         stopping: set to ask the run to end.
-        finished: set when it has ended, or was abandoned.
-        abandoned: nobody waits for it any more, and it may no longer touch the world.
+        finished: set when the run has ended or was abandoned.
+        abandoned: whether the run was given up. It must not touch the world any more.
     """
 
     thread: threading.Thread
@@ -62,17 +62,17 @@ class Run:
 
     @classmethod
     def on_own_thread(cls, main: Callable[[Run], object]) -> Run:
-        """Make a run with a thread of its own, which calls ``main(run)`` once the caller starts it."""
+        """Make a run with a new thread that calls ``main(run)``. The caller starts the thread."""
         thread = threading.Thread(target=lambda: main(run), name="simulation", daemon=True)
         run = cls(thread, is_own=True)
         return run
 
     def is_mine(self) -> bool:
-        """Return whether this run's thread is calling before the run has ended: then a controller calls."""
+        """Return whether the calling thread is this run's, so that the caller must be one of its controllers."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
-        """Wait until the run has come to its next lap or its end. Return False if that takes too many seconds."""
+        """Wait for the run's next lap or its end. Return False on timeout."""
         before, deadline = self.laps, time.monotonic() + seconds
         while self.laps == before and not self.finished.wait(POLL_EVERY):
             if time.monotonic() > deadline:
@@ -80,28 +80,28 @@ class Run:
         return True
 
     def abandon(self) -> None:
-        """Mark it as abandoned and finished, and ask it to end."""
+        """Mark the run as abandoned and finished, and ask it to end."""
         self.abandoned = True
         self.stopping.set()
         self.finished.set()
 
     def at_work(self) -> tuple[str, str]:
-        """Return the name of the class of the controller that was called last, and the file of that class."""
+        """Return the class name of the controller that was called last, and the file that defines the class."""
         kind = type(self.controller)
         return ("MuJoCo", "") if self.controller is None else (kind.__name__, file_of(kind))
 
 
 class SteppedWorld:
-    """Some bodies in one MuJoCo world, and the controllers that move them.
+    """Bodies in one MuJoCo world, and the controllers that move them.
 
-    One thread at a time may initialize or step it. Methods that call controllers take the caller's `Run`, note in it
-    which controller they call, and return early once it is abandoned.
+    Only one thread at a time may initialize or step it. Methods that call controllers take the caller's `Run`, record
+    in it which controller they call, and return early once the run is abandoned.
 
     Args:
         placements: the bodies.
         controllers: pairs of a body's name ("" for the world) and a controller, in the order of the calls.
         time_step: [s].
-        find_camera: what finds a camera of a simulated body, see `Body`; None for a world without pictures.
+        find_camera: finds a camera of a simulated body, see `Body`; None for a world without pictures.
 
     Attributes:
         model: the composed MuJoCo model.
@@ -109,7 +109,7 @@ class SteppedWorld:
         time_step: as given.
         bodies: the simulated bodies by name.
         step: the number of simulated steps.
-        initialized: whether the controllers have been initialized, and not dismissed since.
+        initialized: whether the controllers were initialized, and not dismissed since.
 
     Raises:
         TutorialError: the bodies do not make a world.
@@ -137,11 +137,11 @@ class SteppedWorld:
         return self.step * self.time_step
 
     def snapshot(self) -> Snapshot:
-        """Copy the state, as the thread that steps sees it."""
+        """Return a copy of the state. Only for the thread that steps."""
         return Snapshot(self.time, self.data.qpos.copy())
 
     def initialize(self, run: Run) -> None:
-        """Initialize every controller, unless that is done. If one fails, stop those that are ready.
+        """Initialize every controller, unless that was done. If one fails, stop those that are ready.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -165,10 +165,10 @@ class SteppedWorld:
         self.initialized = True
 
     def run_steps(self, run: Run, count: int) -> bool:
-        """Call every controller and let MuJoCo step, so many times.
+        """Call every controller, then let MuJoCo step, ``count`` times.
 
         Returns:
-            True after all steps; False if the run had to end before.
+            True after all steps; False if the run was asked to end earlier.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -195,28 +195,28 @@ class SteppedWorld:
         return True
 
     def dismiss(self) -> list[SimpleController]:
-        """Return the controllers, for the caller to stop. They are initialized again before the next step."""
+        """Return the controllers, for the caller to stop. The next run initializes them again."""
         self.initialized = False
         return [controller for controller, _ in self._controllers]
 
     def release(self, body: str) -> list[SimpleController]:
-        """Return a body's controllers, for the caller to stop, and never call them again."""
+        """Remove a body's controllers and return them, for the caller to stop."""
         leaving = [controller for controller, io in self._controllers if io.body.name == body]
         self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
         return leaving
 
     def stop_controllers(self, run: Run, controllers: Iterable[SimpleController]) -> ControllerError | None:
-        """Stop one controller after the other. One that fails is logged and does not keep the next from stopping.
+        """Stop the controllers one by one. Log a failure, and go on with the next.
 
         Returns:
-            The error of the last one that failed.
+            The last error; None if none failed.
         """
         failed = None
         for controller in controllers:
             run.controller = controller
             try:
                 controller.stop()
-            except BaseException as error:  # noqa: BLE001 - whatever it is, the others still have to stop
+            except BaseException as error:  # noqa: BLE001 - the others still have to stop
                 failed = self.controller_error(run, error)
                 _log.error("%s", failed, exc_info=error)
             if run.abandoned:
@@ -224,6 +224,6 @@ class SteppedWorld:
         return failed
 
     def controller_error(self, run: Run, error: BaseException) -> ControllerError:
-        """Name the controller that failed, the time, and the line."""
+        """Return an error that names the controller that failed, the time, and the line."""
         name, file = run.at_work()
         return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {tell(error, file)}")

@@ -1,7 +1,7 @@
 """When each message was received, posted and applied, and on which thread: the hand-off, made visible.
 
-A program without a trace pays one look at an attribute per message and per call. One with a trace keeps the newest
-handoffs and nothing else, so it can stay on.
+Without a trace, a program spends one attribute lookup per message and per call. A trace keeps only the newest handoffs,
+so it can stay switched on.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ class Moment:
 
     @classmethod
     def now(cls) -> Moment:
-        """This moment, on this thread."""
+        """Return this moment, on this thread."""
         return cls(time.perf_counter(), threading.current_thread().name)
 
 
 @dataclass
 class Handoff:
-    """The way of one message through a program, or of one call that no message gave rise to.
+    """The path of one message through a program, or of one call that was not posted for a message.
 
-    A message whose callback posts several calls has one of these for each call.
+    A message whose callback posts several calls has one handoff for each call.
 
     Attributes:
-        topic: where the message came from, or None for a call that was posted outside of any message's callback.
+        topic: the message's topic, or None for a call that was posted outside of any message's callback.
         received: when the message's callback began.
         handled: when its callback returned.
         posted: when a call was posted.
         applied: when that call began to run.
-        superseded: when a newer call of the same key took its place.
+        superseded: when a newer call with the same key replaced it.
     """
 
     topic: str | None = None
@@ -57,9 +57,9 @@ class Handoff:
 
     @property
     def outcome(self) -> str:
-        """``"applied"``, ``"superseded"``, ``"waiting"``, or ``"handled"`` where the callback posted nothing.
+        """``"applied"``, ``"superseded"``, ``"waiting"``, or ``"handled"`` if the callback posted nothing.
 
-        A call that was dropped, because the one who posted it had closed, waits for ever.
+        A call that was dropped because its scope was closed stays ``"waiting"``.
         """
         if self.applied is not None:
             return "applied"
@@ -68,11 +68,11 @@ class Handoff:
         return "handled" if self.posted is None else "waiting"
 
     def apply(self) -> None:
-        """The posted call runs now, on this thread."""
+        """Record that the posted call begins to run, on this thread."""
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
-        """A newer call has taken the place of the posted one, when it was posted itself."""
+        """Record that a newer call replaced this one at the moment when the newer one was posted."""
         self.superseded = newer.posted if newer is not None else Moment.now()
 
 
@@ -82,10 +82,10 @@ class HandoffTrace:
     Give it to `tutorial.handoff.CallQueue`, and to the attribute ``trace`` of a `tutorial.ros.node_thread.MeteredNode`.
 
     Args:
-        capacity: how many are kept; the oldest go first.
+        capacity: how many handoffs to keep; the oldest are dropped.
 
     Attributes:
-        handled: how many messages' callbacks have returned, kept or not.
+        handled: the number of messages whose callbacks have returned, kept or not.
     """
 
     def __init__(self, capacity: int = 200) -> None:
@@ -96,10 +96,10 @@ class HandoffTrace:
 
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
-        """Around a message's callback, on the thread that runs it: what it posts meanwhile belongs to the message.
+        """Assign the calls that are posted inside this context to a message. Use it on the callback's thread.
 
         Args:
-            topic: where the message came from.
+            topic: the message's topic.
         """
         outer = getattr(self._current, "message", None)
         handoff = Handoff(topic, received=Moment.now())
@@ -114,7 +114,7 @@ class HandoffTrace:
             self._current.message = outer
 
     def post(self) -> Handoff:
-        """A call is posted here and now. Return what is to be told of its further way: `apply` or `supersede`."""
+        """Record that a call is posted, and return its handoff, on which to call `apply` or `supersede` later."""
         message: Handoff | None = getattr(self._current, "message", None)
         if message is not None and message.posted is None:
             message.posted = Moment.now()
@@ -126,7 +126,7 @@ class HandoffTrace:
         return another
 
     def handoffs(self) -> list[Handoff]:
-        """Return a copy of those that are kept, in the order in which they began."""
+        """Return copies of the handoffs that are kept, in the order in which they began."""
         with self._lock:
             return [copy.copy(handoff) for handoff in self._kept]
 

@@ -1,4 +1,4 @@
-"""Composing one MuJoCo model out of the bodies that a project lists."""
+"""Composes one MuJoCo model from the bodies of a project."""
 
 import logging
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ from tutorial.model.options import set_options
 from tutorial.model.urdf_file import read_urdf
 
 FAILS = (ValueError, RuntimeError)
-"""What MuJoCo raises of a model: RuntimeError where there is no memory for it."""
+"""The errors that MuJoCo raises for a model; RuntimeError if it runs out of memory."""
 
 mujoco.set_mju_user_warning(mujoco_warns)
 
@@ -22,13 +22,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a body stands in the world, and which model it is.
+    """A body's name, model and pose in the world.
 
     Attributes:
         name: the body's name; its elements are called ``name/element`` in the composed model.
         model: path of its MJCF or URDF file.
-        position: of the model's origin in the world [m], (x, y, z).
-        orientation_wxyz: as a unit quaternion in MuJoCo's order, (w, x, y, z).
+        position: the position of the model's origin in the world [m], (x, y, z).
+        orientation_wxyz: a unit quaternion in MuJoCo's order, (w, x, y, z).
     """
 
     name: str
@@ -38,25 +38,25 @@ class Placement:
 
 
 def compose(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjModel:
-    """Make one world of several bodies.
+    """Compile one world from several bodies.
 
-    The world has the options that its models set, unless these contradict each other: see `tutorial.model.options`.
+    The world has the options that its models set, unless they contradict each other: see `tutorial.model.options`.
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.
-        time_step: of the simulation [s], which overrides the models'; None uses theirs.
+        time_step: the simulation's [s]; None to use the models'.
 
     Returns:
         The compiled model.
 
     Raises:
-        TutorialError: a model does not load or the whole does not compile; the text is MuJoCo's.
+        TutorialError: a model does not load, or the world does not compile; quotes MuJoCo's reason.
     """
     world, unused = _make_world(placements, time_step)
     try:
         with no_python_warnings():
             model = world.compile()
-        model.names.decode()  # what is in other encodings compiles, and then has no names
+        model.names.decode()  # MuJoCo accepts names that are not UTF-8, and then cannot return them
     except FAILS as error:
         raise TutorialError(f"the world does not compile. MuJoCo says: {error}\n{unused}".rstrip()) from error
     if unused:
@@ -65,16 +65,16 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
 
 
 def world_spec(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjSpec:
-    """Make what `compose` compiles, with the same arguments.
+    """Return the spec that `compose` compiles, for the same arguments.
 
     Raises:
-        TutorialError: a model does not load; the text is MuJoCo's.
+        TutorialError: a model does not load; quotes MuJoCo's reason.
     """
     return _make_world(placements, time_step)[0]
 
 
 def _make_world(placements: Iterable[Placement], time_step: float | None) -> tuple[mujoco.MjSpec, str]:
-    """Make a world, and describe which options of its models it does not use."""
+    """Make a world, and describe the options of its models that it does not use."""
     placements = list(placements)
     parts = [_read(placement.model) for placement in placements]
     world = mujoco.MjSpec()
@@ -91,9 +91,9 @@ def _make_world(placements: Iterable[Placement], time_step: float | None) -> tup
 
 
 def _read(path: Path) -> mujoco.MjSpec:
-    """Read a model, an MJCF file or a robot description."""
+    """Read a model: an MJCF file or a URDF."""
     try:
-        str(path).encode()  # MuJoCo takes names in UTF-8 alone
+        str(path).encode()  # MuJoCo only takes names in UTF-8
         with no_python_warnings():
             spec = read_urdf(path)
             return mujoco.MjSpec.from_file(str(path)) if spec is None else spec

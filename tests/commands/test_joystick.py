@@ -54,8 +54,8 @@ def test_it_ends_with_its_simulation_while_others_go_on_listening(domain):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("drive:\n- {time: 1, axis: [0]}", "line 2: 'axis' is not known here. Did you mean 'axes'?"),
-        ("drives: []", "line 1: 'drives' is not known here. Did you mean 'drive'?"),
+        ("drive:\n- {time: 1, axis: [0]}", "line 2: unknown key 'axis'. Did you mean 'axes'?"),
+        ("drives: []", "line 1: unknown key 'drives'. Did you mean 'drive'?"),
         ("drive:\n- {time: 0, axes: [2]}", "line 2: drive[0].axes[0]: expected a number <= 1."),
         ("drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}", "line 3: 1.0 is not later than 1.0. Put the moments"),
     ],

@@ -35,7 +35,7 @@ class TankController(SimpleController):
         ("run step3 --robot tnak", 1, "there is no model 'tnak'. Did you mean 'tank'?"),
         ("urdf arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
         ("run step3 --robot arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
-        ("urdf mine.py", 1, "'mine.py' is no model: the name of one ends in '.xml'."),
+        ("urdf mine.py", 1, "'mine.py' is not a model: its name does not end in '.xml'."),
         ("check .", 1, "Error: there is no notebook in ."),
         ("bag record", 2, "name topics, or give -a for all of them."),
         ("bag play a b", 2, "'b' is too much: one bag is played at a time."),

@@ -190,7 +190,7 @@ async def test_a_body_is_added_only_where_it_can_be(step2, step3):
     [item] = step3.bodies
     unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
     async with Host(step3, view=watched_view()) as host:
-        with pytest.raises(TutorialError, match=r"there is a body 'Tank' already\. Remove it first"):
+        with pytest.raises(TutorialError, match=r"there already is a body 'Tank'\. Remove it first"):
             host.add(item)
         with pytest.raises(TutorialError, match=r"Unfit could not join Other: test_host.py, line \d+, in configure: V"):
             host.add(unfit)
@@ -202,7 +202,7 @@ async def test_a_body_is_added_only_where_it_can_be(step2, step3):
     with pytest.raises(TutorialError, match=r"this program is closed\."):
         host.add(item)
     async with Host(step2) as host:
-        with pytest.raises(TutorialError, match="'Other' comes too late: a simulated world is made of the bodies"):
+        with pytest.raises(TutorialError, match="'Other' cannot join a simulation"):
             host.add(unfit)
     before = threads()
     with pytest.raises(TutorialError, match="Unfit could not join Tank"):
@@ -316,7 +316,7 @@ class Poser(SimpleController):
 async def test_a_message_without_a_header_is_recorded_and_a_controller_that_cannot_leave_is_an_error(step3, caplog):
     host = Host(step3.with_controllers("Tank", Poser))
     record = host.record()
-    with pytest.raises(TutorialError, match=r"a controller has failed in unconfigure\(\): the log says where"):
+    with pytest.raises(TutorialError, match=r"a controller failed in unconfigure\(\). The log shows where"):
         async with host:
             pass
     assert record["topics"]["/pose"]["published"] == 1

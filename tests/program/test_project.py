@@ -106,20 +106,20 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
     [
         ("# nothing", "line 1: 'bodies' is missing here."),
         ("bodies: !tank [1]", "line 1: this is not YAML: could not determine a constructor for the tag '!tank'."),
-        ("bodies: 2026-99-99", "line 1: this is not YAML: '2026-99-99' is no timestamp."),
+        ("bodies: 2026-99-99", "line 1: this is not YAML: '2026-99-99' is not a valid timestamp."),
         ('bodies: "\\UFFFFFFFF"', "line 1: this is not YAML:"),
-        ("bodies:\n  - name: A\n    name: B", "line 3: this is not YAML: 'name' is there twice. Keep one."),
+        ("bodies:\n  - name: A\n    name: B", "line 3: this is not YAML: 'name' appears twice. Keep one."),
         ("bodies:\n  - \0", "line 2: this is not YAML: unacceptable character #x0000"),
-        ("bodies:\n  - !!null name: T", "line 2: a key here is no text. Put it in quotes."),
-        ("bodies:\n  - {<<: {nme: Tank}, model: x}", "line 2: 'nme' is not known here. Did you mean 'name'?"),
-        (body("\n    contollers: []"), "line 3: 'contollers' is not known here. Did you mean 'controllers'?"),
+        ("bodies:\n  - !!null name: T", "line 2: a key here is not a text. Put it in quotes."),
+        ("bodies:\n  - {<<: {nme: Tank}, model: x}", "line 2: unknown key 'nme'. Did you mean 'name'?"),
+        (body("\n    contollers: []"), "line 3: unknown key 'contollers'. Did you mean 'controllers'?"),
         ("- 1", "line 1: expected a mapping, got a list."),
         (simulator("clock: 100"), "line 1: simulator.clock: expected true or false, got a whole number."),
         (simulator("time_step: 1e-300"), "line 1: simulator.time_step: expected a number >= 0.0001."),
         (body("count: 1001"), "line 2: bodies[0].count: expected a whole number <= 1000."),
         (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got a text."),
         (body("controllers: [\n  TankControler]"), "line 3: there is no controller 'TankControler'. Did you mean 'T"),
-        (body("name: Tank_2", "count: 3"), "line 3: there is a body 'Tank_2' already. Give this one another name."),
+        (body("name: Tank_2", "count: 3"), "line 3: there already is a body 'Tank_2'. Rename this one."),
         (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, a letter"),
         (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic."),
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
@@ -226,7 +226,7 @@ def test_an_own_controller_takes_the_place_of_the_librarys(own, step2):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("x = 1\n", "defines no controller: a class made from SimpleController."),
+        ("x = 1\n", "defines no controller. A controller is a class derived from SimpleController."),
         ("import sys\nsys.exit()\n", "mine.py, line 2: SystemExit"),
         ("class A(:\n", "mine.py, line 1: SyntaxError"),
         ("def f():\n    return 1 / 0\nf()\n", "mine.py, line 2, in f: ZeroDivisionError"),
@@ -247,7 +247,7 @@ def test_one_of_a_files_controllers_is_asked_for(own):
     for path, name, said in (
         (two, "Othr", r"mine\.py defines no controller 'Othr'\. Did you mean 'Other'\?"),
         (two.with_name("mien.py"), None, r"there is no file .* Did you mean .*mine\.py"),
-        (own(OWN, "mine.txt"), None, "is no Python file"),
+        (own(OWN, "mine.txt"), None, "is not a Python file"),
     ):
         with pytest.raises(TutorialError, match=said):
             load_controllers(path, name)
@@ -273,7 +273,7 @@ def test_a_body_is_given_controllers(step2):
         (lambda p: p.with_own({"TankControler": Mine}), r"step2\.yaml has no controller 'TankControler'\. Did you"),
         (lambda p: p.with_controllers("tank", Mine), r"step2\.yaml has no body 'tank'\. Did you mean 'Tank'"),
         *(
-            (lambda p, given=given: p.with_controllers("Tank", given), r"is no controller\. Give the class itself")
+            (lambda p, given=given: p.with_controllers("Tank", given), r"is not a controller\. Give a class derived")
             for given in (Mine(), int, "Mine", print)
         ),
     ],

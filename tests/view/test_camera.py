@@ -169,5 +169,7 @@ def test_cameras_have_names_and_sizes(stage):
 
 
 def test_a_displayed_body_takes_no_pictures(stage):
-    with pytest.raises(TutorialError, match=r"no pictures are taken of the body 'Eye': ask the simulated one, io.body"):
+    with pytest.raises(
+        TutorialError, match=r"displayed body 'Eye' takes no pictures\. Use the simulated body, io\.body"
+    ):
         Body.displayed(stage.placement).camera("CAMERA")

@@ -1,4 +1,4 @@
-"""What MuJoCo warns of goes into the log. Left to itself MuJoCo prints it, and writes a file into the user's folder."""
+"""Sends MuJoCo's warnings to the log. By default, MuJoCo prints them, and writes a file into the user's folder."""
 
 import logging
 import time
@@ -11,7 +11,7 @@ AFTER_WARNING = {
     " in CTRL at ": "All controls count as 0 until each is a number again.",
     " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
 }
-"""What MuJoCo does and does not say."""
+"""What MuJoCo does after a warning, which its text does not mention."""
 
 IN_OTHER_WORDS = {
     "Attach conflict": "a model's file attaches another file whose options differ. They are not used.",
@@ -22,15 +22,15 @@ _log = logging.getLogger(__name__)
 
 
 class _MujocoWarns:
-    """Says MuJoCo's warnings in the log, at most one line in `WARN_EVERY`. Any thread."""
+    """Logs MuJoCo's warnings, at most one line per `WARN_EVERY`. Any thread."""
 
     def __init__(self) -> None:
         self._unsaid = 0
         self._due = 0.0
 
     def __call__(self, text: str) -> None:
-        """Say a warning; those that were not said since the last line are counted in the next one."""
-        with suppress(BaseException):  # MuJoCo is C++: whatever was raised here would end the process
+        """Log a warning. The next line counts the warnings that were left out since the last one."""
+        with suppress(BaseException):  # an exception that reaches MuJoCo, which is C++, would end the process
             now = time.monotonic()
             if now < self._due:
                 self._unsaid += 1
@@ -43,12 +43,12 @@ class _MujocoWarns:
 
 
 mujoco_warns = _MujocoWarns()
-"""The handler of MuJoCo's warnings, of which a process has one."""
+"""The handler of MuJoCo's warnings, one for the whole process."""
 
 
 @contextmanager
 def no_python_warnings() -> Iterator[None]:
-    """Suppress MuJoCo's Python warnings, which point at this project's code: `mujoco_warns` receives them, too."""
+    """Suppress MuJoCo's Python warnings, which would point at this project's code. `mujoco_warns` logs them."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield

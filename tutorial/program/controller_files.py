@@ -1,4 +1,4 @@
-"""Where controllers come from: the library's own, one a file, and those in a file of the user's."""
+"""Finds controllers: the library's, one in each file, and those in a user's file."""
 
 import pkgutil
 import sys
@@ -23,7 +23,7 @@ def find_controller(name: str) -> type[SimpleController]:
     """Find one of the library's controllers by its class name.
 
     Raises:
-        TutorialError: there is no such controller, or its file is broken; the text names the nearest, or the line.
+        TutorialError: there is no such controller, or its file fails; suggests the nearest name, or names the line.
     """
     known = controller_names()
     if name not in known:
@@ -35,39 +35,39 @@ def find_controller(name: str) -> type[SimpleController]:
         raise TutorialError(tell(error, file)) from error
     found = _classes_of(module)
     if name not in found:
-        mend = "A controller's class is called like its file: imu_publisher.py holds ImuPublisher."
-        raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {mend}")
+        rule = "A controller's class has the name of its file: imu_publisher.py holds ImuPublisher."
+        raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {rule}")
     return found[name]
 
 
 def load_controllers(path: Path, only: str | None = None) -> dict[str, type[SimpleController]]:
-    """Run a user's file and take the controllers that it defines.
+    """Run a user's file and return the controllers that it defines.
 
     Args:
         path: a Python file.
-        only: the name of the one to take; None for all.
+        only: return only the controller of this name; None for all.
 
     Returns:
-        Their classes by name.
+        The classes by name.
 
     Raises:
-        TutorialError: the file is missing, fails, or defines no controller, or none of this name; the text names the
-            line, or the nearest.
+        TutorialError: the file is missing, fails, or does not define such a controller; names the line, or suggests
+            the nearest name.
     """
     if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]
         raise TutorialError(f"there is no file {str(path)!r}.{did_you_mean(str(path), others)}")
     spec = spec_from_file_location(f"own_controllers_{path.stem}", path)
     if spec is None or spec.loader is None:
-        raise TutorialError(f"{path} is no Python file: the name of one ends in '.py'.")
+        raise TutorialError(f"{path} is not a Python file: its name does not end in '.py'.")
     module = sys.modules[spec.name] = module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise TutorialError(tell(error, str(path.absolute()))) from error  # as the traceback has it
+        raise TutorialError(tell(error, str(path.absolute()))) from error  # the path as tracebacks write it
     found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
     if not found:
-        raise TutorialError(f"{path} defines no controller: a class made from SimpleController.")
+        raise TutorialError(f"{path} defines no controller. A controller is a class derived from SimpleController.")
     if only is not None and only not in found:
         raise TutorialError(f"{path} defines no controller {only!r}.{did_you_mean(only, found)}")
     return found if only is None else {only: found[only]}

@@ -6,17 +6,17 @@ from tutorial.errors import TutorialError
 from tutorial.program.item import Item
 from tutorial.view.bodies import View
 
-FEW = 3  # bodies that have a line each
+FEW = 3  # bodies; if there are more, only faulty ones get a line
 
 
 def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseException | None) -> None:
     """Draw the bodies that have changed, and write the line below the view.
 
     Args:
-        view: where to draw. The bodies were added to it.
+        view: the view, to which the bodies have been added.
         items: the bodies by name.
-        note: what comes first in the line, if anything.
-        error: what has failed last; None if nothing has.
+        note: text at the start of the line; may be empty.
+        error: the last error; None if there was none.
     """
     for name, item in items.items():
         if item.take_dirty():
@@ -34,9 +34,9 @@ def _describe_error(error: BaseException | None) -> str:
 
 
 def _describe_bodies(view: View, items: Mapping[str, Item]) -> tuple[list[str], list[tuple[str, ...]]]:
-    """Return a line about each body's messages, and rows of what its sensors have measured.
+    """Return a line about each body's messages, and rows with its sensors' measurements.
 
-    For more than `FEW` bodies, return how many are in order, and a line for each of the first few that are not.
+    For more than `FEW` bodies, return a line with how many are in order, and a line for each of the first few others.
     """
     watches = [item.joints for item in items.values()]
     fleet = [watch for watch in watches if watch.meters or watch.in_order]

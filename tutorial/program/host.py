@@ -34,25 +34,25 @@ _log = logging.getLogger(__name__)
 
 
 class Host(AbstractAsyncContextManager["Host"]):
-    """A program that runs a project: it simulates, or displays, as the project says.
+    """A program that runs a project: it simulates or only displays, as the project says.
 
-    It belongs to the thread that makes it, the main thread, whose event loop must be running: ``async with
+    It belongs to the thread that makes it, the main thread, whose event loop must be running. Use ``async with
     Host(project)`` in a script's `asyncio.run`, or in a notebook's cell.
 
     Args:
-        project: what to run.
-        ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``. The node is called ``tank``
-            unless it is remapped.
-        view: where to draw, while its scene is watched; None to show nothing.
-        trace: where to write down when each message is received, posted and applied; None for nowhere.
+        project: the project to run.
+        ros_args: command line arguments; ROS 2 reads those after ``--ros-args``. The node is called ``tank`` unless it
+            is remapped.
+        view: drawn while its scene is watched; None to show nothing.
+        trace: records when each message is received, posted and applied; None to record nothing.
 
     Attributes:
-        simulation: the simulated copy of the bodies, or None for a program that only displays.
+        simulation: the simulation; None for a program that only displays.
         node: the program's node.
-        note: what comes first below the view, until the next start.
+        note: text at the start of the line below the view, until the next run.
 
     Raises:
-        TutorialError: a controller does not fit its body. When the context ends: one failed to leave it.
+        TutorialError: a controller does not fit its body; or, at the end of the context, failed to leave it.
     """
 
     def __init__(
@@ -66,8 +66,8 @@ class Host(AbstractAsyncContextManager["Host"]):
         self.simulation: Simulation | None = None
         self._closed = False
         self._items: dict[str, Item] = {}
-        self._displayed: DisplayedRun | None = None  # the last run of a program that only displays
-        self._shown = 0.0  # simulated time of what is displayed [s]
+        self._displayed: DisplayedRun | None = None  # the last run, if the program only displays
+        self._shown = 0.0  # simulated time of the displayed state [s]
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._cameras = CameraRenderer()
         self._ros = NodeThread("tank", ros_args, trace)
@@ -78,9 +78,9 @@ class Host(AbstractAsyncContextManager["Host"]):
             view.scene.catch_up = self._draw
         try:
             clock = [ClockPublisher(self.node)] if project.clock else []
-            for entry in project.bodies:  # messages come from now on, and wait until the loop runs
+            for entry in project.bodies:  # messages arrive from now on, and wait until the loop runs
                 self._show(entry, project.time_step is not None)
-            # Robots alone fill the picture. With other bodies, such as a laboratory, it shows where robots move.
+            # A project of robots alone is shown close up. With other bodies, such as a laboratory, it is shown whole.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
                 view.look_at_bodies(*self._items)
             if project.time_step is not None:
@@ -95,22 +95,22 @@ class Host(AbstractAsyncContextManager["Host"]):
     async def __aexit__(self, kind: object, *_: object) -> None:
         self.close()
         if kind in (None, asyncio.CancelledError) and any(item.failed for item in self._items.values()):
-            raise TutorialError("a controller has failed in unconfigure(): the log says where.")
+            raise TutorialError("a controller failed in unconfigure(). The log shows where.")
 
     async def run(
         self, duration: float | None = None, linger: float = 0.0, progress: Callable[[float], object] | None = None
     ) -> None:
-        """Run for a while. The event loop stays free: posted calls run, and the view is drawn, meanwhile.
+        """Run for a while. The event loop stays free: meanwhile, posted calls run and the view is drawn.
 
         Args:
-            duration: how long [s], in simulated time where the project simulates; None to go on until cancelled.
-            linger: the longest wait after the duration [s], where the program only displays: for the publishers to go
+            duration: how long [s], in simulated time if the project simulates; None to run until cancelled.
+            linger: if the program only displays, the longest wait after the duration [s] for the publishers to leave
                 and their messages to be shown.
-            progress: called with the seconds that have passed, about as often as a frame is drawn.
+            progress: called with `seconds` once every frame.
 
         Raises:
             ControllerError: a controller raised an exception, or does not return; the simulation has stopped.
-            TutorialError: it was closed.
+            TutorialError: the program is closed.
         """
         if self._closed:
             raise TutorialError(CLOSED)
@@ -122,7 +122,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.refresh()
                 if progress is not None:
                     progress(self.seconds)
-                due = max(due + FRAME, time.monotonic())  # by schedule, so that drawing costs no frames
+                due = max(due + FRAME, time.monotonic())  # on schedule, however long drawing takes
                 await asyncio.sleep(due - time.monotonic())
         finally:
             if self.simulation is not None:
@@ -132,7 +132,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             raise self.simulation.error
 
     def refresh(self) -> None:
-        """Show what has changed since the last frame. `run` does it; call it when nothing runs."""
+        """Show the changes since the last frame. `run` does this; call it while nothing runs."""
         if self._closed:
             return
         self._neighbours.check()
@@ -142,19 +142,19 @@ class Host(AbstractAsyncContextManager["Host"]):
             self._draw()
 
     def add(self, entry: BodyItem) -> None:
-        """Show one more body, with its controllers, in a program that only displays.
+        """Add a body with its controllers to a program that only displays.
 
         Raises:
-            TutorialError: the program simulates, or was closed; there is a body of this name; or a controller does not
-                fit its body, which then is not there.
+            TutorialError: the program simulates or is closed, a body of this name exists, or a controller does not fit
+                the body; then the body is not added.
         """
         name = entry.placement.name
         if self._closed:
             raise TutorialError(CLOSED)
         if self.simulation is not None:
-            raise TutorialError(f"{name!r} comes too late: a simulated world is made of the bodies in its project.")
+            raise TutorialError(f"{name!r} cannot join a simulation. Add it to the project and open that again.")
         if name in self._items:
-            raise TutorialError(f"there is a body {name!r} already. Remove it first, or give this one another name.")
+            raise TutorialError(f"there already is a body {name!r}. Remove it first, or rename the new one.")
         try:
             self._show(entry, simulates=False)
         except BaseException:
@@ -163,12 +163,12 @@ class Host(AbstractAsyncContextManager["Host"]):
             raise
 
     def remove(self, name: str) -> None:
-        """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
+        """Remove a displayed body: its controllers leave it, and their waiting calls are dropped.
 
-        This forgets earlier errors, because the next body may be without the fault.
+        This also clears earlier errors, because they may have come from that body.
 
         Raises:
-            ControllerError: a controller does not return; the body is removed all the same.
+            ControllerError: a controller does not return; the body is removed nevertheless.
             TutorialError: there is no such body.
         """
         if name not in self._items:
@@ -183,7 +183,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self._view.remove(name)
 
     def close(self) -> None:
-        """End the simulation, the controllers and the node. Idempotent; goes on where it was interrupted."""
+        """End the simulation, the controllers and the node. Idempotent; after an interruption, call it again."""
         self._closed = True
         try:
             if self.simulation is not None:
@@ -202,42 +202,42 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def controllers(self) -> dict[str, SimpleController]:
-        """The controllers of all bodies by the names of their classes; of several with one name, the last."""
+        """The controllers of all bodies by class name; the last one if several have the same name."""
         return {type(c).__name__: c for item in self._items.values() for c in item.controllers}
 
     @property
     def waiting(self) -> int:
-        """How many posted calls wait for the main thread."""
+        """The number of posted calls that wait for the main thread."""
         return len(self._calls)
 
     @property
     def seconds(self) -> float:
-        """How long the program has run [s]: simulated time where it simulates."""
+        """How long the program has run [s]: simulated time if it simulates."""
         if self.simulation is not None:
             return self.simulation.time
         return self._displayed.seconds if self._displayed is not None else 0.0
 
     @property
     def error(self) -> BaseException | None:
-        """What the simulation, a callback or a posted call raised last since the last start; None when nothing did."""
+        """The last error of the simulation, a callback or a posted call since the last start; None without one."""
         others = self._ros.error or self._cameras.error or self._calls.error
         return (self.simulation and self.simulation.error) or others
 
     def forget_errors(self) -> None:
-        """Forget the note, and what callbacks and posted calls raised before. `run` does it. Main thread."""
+        """Clear the note and the errors of callbacks and posted calls. `run` does this. Main thread."""
         self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
     def shown_at(self) -> float:
-        """The time of what the view shows [s]: simulated time where it simulates, else of `time.monotonic`."""
+        """Return the time of the displayed state [s]: simulated time, or `time.monotonic` if nothing is simulated."""
         return self._shown if self.simulation is not None else time.monotonic()
 
     def joint_positions(self) -> dict[str, float]:
-        """Where the displayed joints are [rad], or [m] for those that slide, by ``"body joint"``."""
+        """Return the positions of the displayed joints, by ``"body joint"`` [rad, or m for slide joints]."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
 
     def record(self) -> dict[str, Any]:
-        """Sum the run up, for the bodies that are there. See `tutorial.program.record`."""
+        """Return a summary of the run for the current bodies. See `tutorial.program.record`."""
         return make_record(self.node.get_name(), self.seconds, self.node.meters, list(self._items.values()))
 
     def _show(self, entry: BodyItem, simulates: bool) -> None:

@@ -1,4 +1,4 @@
-"""An item of a running program: a displayed body with its controllers, and how its messages are."""
+"""An item of a running program: a displayed body, its controllers, and a watch on its joint states."""
 
 import logging
 import time
@@ -13,27 +13,27 @@ from tutorial.model.couplings import not_computed
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages, and two queries of who else publishes
-STALE_AFTER = 1.0  # [s] without a position of a joint, after which it is shown as stale
-CONTESTED_FOR = 2.0  # [s] for which the line below the view names another publisher after its last message
-NAMED = 3  # stale joints, or nodes; the rest are counted
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and two queries of the publishers
+STALE_AFTER = 1.0  # [s] without a new position, after which a joint is shown as stale
+CONTESTED_FOR = 2.0  # [s] for which the line below the view names a rival after its last message
+NAMED = 3  # stale joints or nodes; more are only counted
 LONGEST_NAME = 60  # characters of a node's name
 
 _log = logging.getLogger(__name__)
 
 
 class JointWatch:
-    """Watches the joint states that move one body: how many there are, what is wrong with them, and who else publishes.
+    """Watches the joint states that move one body: counts them, and reports their faults and rival publishers.
 
-    It takes the report of every change of the body. It belongs to the main thread.
+    It receives the report of every change of the body. It belongs to the main thread.
 
     Args:
         body: the displayed body.
-        node: the node that its controllers listen with.
+        node: the node that its controllers subscribe with.
 
     Attributes:
-        meters: of the subscriptions that bring it joint states.
-        applied: how many messages have moved the body.
+        meters: the meters of its joint state subscriptions.
+        applied: the number of messages that moved the body.
         tally: the sums of the counts in all reports.
     """
 
@@ -43,17 +43,17 @@ class JointWatch:
         self.meters: list[TopicMeter] = []
         self.applied = 0
         self.tally: Counter[str] = Counter()
-        self._report: JointReport | None = None  # the last one of the publisher that is followed
+        self._report: JointReport | None = None  # the last report of the publisher that is followed
         self._reported_at = 0.0
         self._complained_at = -COMPLAIN_EVERY
-        self._heard: dict[str, float] = {}  # when there was a position last, by joint
-        self._contested_at = -CONTESTED_FOR  # when a message of another publisher came last
+        self._heard: dict[str, float] = {}  # when each joint last got a position
+        self._contested_at = -CONTESTED_FOR  # when a rival's message last arrived
         self._asked_at = -COMPLAIN_EVERY
-        self._publishers = ""  # who they are, in words
+        self._publishers = ""  # their names, for the line below the view
         body.on_change(self.take)
 
     def take(self, report: JointReport | None) -> None:
-        """Take what joint matching reports of one message; None, of a change without a message, counts for nothing."""
+        """Process the matching report of one message. A change without a message has none, and is ignored."""
         if report is None:
             return
         self.tally.update(report.counts())
@@ -73,9 +73,9 @@ class JointWatch:
             _log.warning("%s: %s", self._body.name, report)
 
     def stale(self) -> dict[str, int]:
-        """Return the joints without a position for a while, and for how long [s]; empty before the first message.
+        """Return the age of the last position of each stale joint [s]; empty before the first message.
 
-        Joints that follow another joint are left out.
+        Coupled joints are left out, because they follow other joints.
         """
         now, followers = time.monotonic(), self._body.followers
         silent = {joint: now - at for joint, at in self._heard.items() if joint not in followers}
@@ -83,11 +83,11 @@ class JointWatch:
 
     @property
     def in_order(self) -> bool:
-        """Whether one publisher keeps sending messages for all joints, and nothing was wrong with the last one."""
+        """Whether a single publisher moves every joint, and its last message had no faults."""
         return self._report is not None and self._report.clean and not self._contested() and not self.stale()
 
     def line(self) -> str:
-        """Write the line below the view: the last report, who else publishes, stale joints, and the report's age."""
+        """Return the line below the view: the last report, rival publishers, stale joints, and the report's age."""
         if self._report is None:
             return f"{self._body.name}: {self._nothing_yet()}" if self.meters else ""
         stale = _some([f"{joint}: nothing for {age} s" for joint, age in self.stale().items()])
@@ -95,18 +95,18 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Tell apart whether nothing has come, or nothing that has come was shown: a controller may wait for more."""
+        """Report whether no message has arrived, or none of the messages could be shown yet."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"nothing of what has come on {topic} could be shown yet"
         return f"nothing has come on {topic} yet"
 
     def _contested(self) -> str:
-        """Name the publishers; empty if no message of another publisher has come for a while."""
+        """Name the publishers; empty if no rival's message has arrived for a while."""
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
     def _say_what_does_not_follow(self, report: JointReport) -> None:
-        """Warn of joints that the first message leaves out, if the view does not compute what may move them."""
+        """Warn if the first message leaves out joints whose couplings the view does not compute."""
         missing = set(self._body.joint_names).difference(report.joints, self._body.followers)
         if missing and (kinds := not_computed(self._body.model)):
             _log.warning(
@@ -116,7 +116,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Note a message of another publisher. Now and then, look up who publishes, and log a change."""
+        """Note a rival's message. From time to time, look up the publishers, and log a change."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return
@@ -135,15 +135,15 @@ class Item:
     """A displayed body with its controllers. It belongs to the main thread.
 
     Args:
-        placement: the body's name and its model.
-        node: the node that its controllers talk with.
+        placement: the body's name and model.
+        node: the node that its controllers use.
         calls: the main thread's queue of posted calls.
 
     Attributes:
         body: the displayed body.
-        controllers: those that have joined it.
+        controllers: the controllers that have joined it.
         joints: watches its joint states.
-        failed: whether a controller has failed to leave it.
+        failed: whether a controller failed in ``unconfigure``.
 
     Raises:
         TutorialError: the model does not load.
@@ -164,12 +164,12 @@ class Item:
         """Make a controller and have it join the body.
 
         Raises:
-            TutorialError: it does not fit the body.
+            TutorialError: the controller does not fit the body.
         """
         name = controller_class.__name__
         before = len(self._node.meters)
         scope = self._calls.scope(f"{name} of {self.body.name}")
-        self._scopes.append(scope)  # first, so that a controller that cannot join posts in vain
+        self._scopes.append(scope)  # first, so that the calls of a controller that fails to join are dropped
         try:
             controller = controller_class()
             controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
@@ -185,14 +185,14 @@ class Item:
         return dirty
 
     def close(self) -> None:
-        """Have the controllers leave the body. What they have posted is dropped first, then they unsubscribe."""
+        """Drop the controllers' waiting calls, then have the controllers leave the body."""
         for scope in self._scopes:
             scope.close()
         while self.controllers:
             controller = self.controllers.pop(0)
             try:
                 controller.unconfigure()
-            except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, the others still have to leave
+            except (Exception, SystemExit):  # noqa: BLE001 - the others still have to leave
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
                 self.failed = True
 

@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 
 
 class Neighbours:
-    """Warns when another node has this program's name, and when another program publishes its clock.
+    """Warns if a second node has this program's name, or if a second program publishes the clock.
 
     Args:
         ros: the thread of the program's node.
@@ -31,10 +31,10 @@ class Neighbours:
         self._ros = ros
         self._publishes_clock = publishes_clock
         self._checked_at = 0.0
-        self._counts: dict[str, int] = {}  # the last one for each warning's text
+        self._counts: dict[str, int] = {}  # the last count, by the text of its warning
 
     def check(self) -> None:
-        """Count nodes and publishers, at most once every second, and warn whenever there are more than before."""
+        """Count nodes and publishers, at most once a second, and warn when there are more than before."""
         if time.monotonic() - self._checked_at < CHECK_EVERY:
             return
         self._checked_at = time.monotonic()

@@ -1,4 +1,4 @@
-"""Project files: which bodies a program has, which controllers they carry, and the simulator."""
+"""Project files: the bodies of a program, their controllers, and the simulator."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class _Body(msgspec.Struct, forbid_unknown_fields=True):
 
     @property
     def names(self) -> list[str]:
-        """Its name, or those of a whole fleet: ``Tank_1``, ``Tank_2`` and so on."""
+        """The name of the body, or the names of a whole fleet: ``Tank_1``, ``Tank_2`` and so on."""
         return [self.name] if self.count is msgspec.UNSET else [f"{self.name}_{i + 1}" for i in range(self.count)]
 
 
 class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
-    """What a project file looks like."""
+    """The schema of a project file."""
 
     bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
     simulator: _Simulator | msgspec.UnsetType = msgspec.UNSET
@@ -55,7 +55,7 @@ class BodyItem:
     """One body of a project.
 
     Attributes:
-        placement: the model, and where it stands.
+        placement: the model, and its position.
         controllers: the classes of its controllers, in the order in which they run.
     """
 
@@ -65,12 +65,12 @@ class BodyItem:
 
 @dataclass(frozen=True)
 class Project:
-    """What one program consists of.
+    """The bodies of one program, and its simulator.
 
     Attributes:
-        path: the file that it comes from.
-        bodies: its bodies.
-        time_step: of the simulation [s]; None for a program that only displays.
+        path: the project file.
+        bodies: the bodies.
+        time_step: the simulation's [s]; None for a program that only displays.
         clock: whether the simulation publishes its time on ``/clock``.
     """
 
@@ -84,11 +84,11 @@ class Project:
         """Read a project file and check it.
 
         Args:
-            path: the file; models are looked for beside it.
+            path: the file; the paths of models are relative to its folder.
 
         Raises:
-            TutorialError: it is missing, malformed, or names a controller or a model that there is not; the text names
-                the line and the mend.
+            TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; names
+                the line and the fix.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         items: dict[str, BodyItem] = {}
@@ -100,14 +100,14 @@ class Project:
         return cls(file.path, tuple(items.values()), simulator.time_step, simulator.clock)
 
     def with_robot(self, model: Path) -> Project:
-        """Put another model in the place of the body that carries the controllers.
+        """Return a project with a different model for the body that has the controllers.
 
         Args:
             model: its MJCF or URDF file; the body gets the file's name, capitalised.
 
         Raises:
-            TutorialError: no body, or more than one, has controllers; or the model does not load, or its name cannot be
-                a body's.
+            TutorialError: no body or more than one has controllers, the model does not load, or a body cannot have its
+                name.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
@@ -115,50 +115,50 @@ class Project:
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
         name = model.stem.capitalize()
-        compose([Placement(name, model)])  # else MuJoCo has something to say
+        compose([Placement(name, model)])  # raises MuJoCo's error if the model does not load
         if unfit := _unfit(name):
             raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
         swapped = replace(robots[0], placement=replace(robots[0].placement, name=name, model=model))
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Give a body these controllers, in place of those that the file names.
+        """Return a project in which a body has these controllers instead of those that the file names.
 
         Args:
             body: the body's name.
-            classes: the classes of its controllers, in the order in which they run; none for a body that only stands.
+            classes: the classes of its controllers, in the order in which they run; may be empty.
 
         Raises:
-            TutorialError: there is no such body, or something else than a controller's class was given.
+            TutorialError: there is no such body, or an argument is not a controller's class.
         """
         for given in classes:
             if not (isinstance(given, type) and issubclass(given, SimpleController)):
-                raise TutorialError(f"{given!r} is no controller. Give the class itself, made from SimpleController.")
+                raise TutorialError(f"{given!r} is not a controller. Give a class derived from SimpleController.")
         names = [item.placement.name for item in self.bodies]
         if body not in names:
             raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Put controllers of a user's own in the place of those of the same names.
+        """Return a project in which a user's controllers replace those of the same names.
 
         Args:
-            classes: them by name. Those that others of them are made from may have any name.
+            classes: the classes by name. Base classes of the others may have any name.
 
         Raises:
-            TutorialError: the project has no controller of one of these names; the text names the nearest.
+            TutorialError: the project has no controller of that name; suggests the nearest name.
         """
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
         for name in classes.keys() - known - bases:
-            mend = "Your class takes the place of the one that has its name."
-            raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
+            why = "Your class replaces the controller of the same name."
+            raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {why}")
         return self._with(
             lambda item: replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
         )
 
     def tree(self) -> str:
-        """Draw the items, as the original's item tree shows them; a fleet is one item."""
+        """Return the items as text, like the original's item tree; a fleet is one item."""
         indent = "" if self.time_step is None else "  "
         lines = []
         for _, alike in groupby(self.bodies, key=_fleet):
@@ -175,25 +175,25 @@ class Project:
 
 
 def _origin(controller: type[SimpleController]) -> str:
-    """The file that a controller of the user's own comes from, in parentheses."""
+    """Return the name of the file that defines a user's controller, in parentheses; empty for the library's."""
     file = getattr(sys.modules.get(controller.__module__), "__file__", None)
     return "" if file is None or Path(file).is_relative_to(PACKAGE) else f" ({Path(file).name})"
 
 
 def _fleet(item: BodyItem) -> tuple[object, ...]:
-    """What the bodies of a fleet have in common: the name but for its number, the model, the controllers."""
+    """Return what the bodies of a fleet have in common: the name without its number, the model, the controllers."""
     stem, _, number = item.placement.name.rpartition("_")
     return (stem or number, number.isdecimal(), item.placement.model, item.controllers)
 
 
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
-    """Make what one entry of a file stands for: a body, or a fleet, by name. What is wrong is said with its line."""
+    """Make the body or the fleet that one entry of a file describes, by name. Errors name the line."""
     at = partial(file.at, "bodies", index)
     with at("name"):
         if unfit := _unfit(body.name):
             raise TutorialError(unfit)
-        if twins := [name for name in body.names if name in taken]:
-            raise TutorialError(f"there is a body {twins[0]!r} already. Give this one another name.")
+        if duplicates := [name for name in body.names if name in taken]:
+            raise TutorialError(f"there already is a body {duplicates[0]!r}. Rename this one.")
     with at("model"):
         model = _find_model(file.path.parent, body.model)
     controllers = []
@@ -206,14 +206,14 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Co
 
 
 def _unfit(name: str) -> str:
-    """Say why a body cannot have a name; empty if it can."""
+    """Return why a body cannot have this name; empty if it can."""
     if not (name.isascii() and name.isidentifier() and name[0] != "_"):
         return f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first."
     return ""
 
 
 def _find_model(folder: Path, given: str) -> Path:
-    """Find a model beside its project, and load it once, so that an error in it has the line that names it."""
+    """Find a model in the project's folder, and compile it once, so that an error names the project's line."""
     if not is_file(folder / given):
         known = [str(path.relative_to(folder)) for path in (*folder.glob("*.xml"), *folder.glob("*/*.xml"))]
         raise TutorialError(f"there is no model {given!r}.{did_you_mean(given, known)}")
@@ -222,7 +222,7 @@ def _find_model(folder: Path, given: str) -> Path:
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
-    """Places side by side in rows, from left to right and then on to the front, as seen along x."""
+    """Return positions in rows, each filled from left to right, the next row in front, as seen along x."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     x, y, z = middle

@@ -1,4 +1,4 @@
-"""The record of a run: one JSON file for each process, and what the demo's table is made of."""
+"""The record of a run: one JSON file for each process, from which the demo makes its table."""
 
 import json
 from collections import Counter, defaultdict
@@ -16,18 +16,18 @@ from tutorial.ros.node_thread import TopicMeter
 
 
 def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: Sequence[Item] = ()) -> dict[str, Any]:
-    """Sum up what a process did.
+    """Summarise the run of one process.
 
     Args:
         node: its node's name.
-        seconds: how long it ran; simulated time, where it simulates [s].
-        meters: what its node has counted.
-        items: the bodies that it has displayed.
+        seconds: how long it ran [s]; simulated time if it simulates.
+        meters: the node's meters.
+        items: the displayed bodies.
 
     Returns:
-        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint is where
-        it was published last, else where it is displayed [rad or m]. A topic has the counts ``published``, ``received``
-        or both; with both, its rate and latency are those of receiving.
+        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint has its
+        last published position, else its displayed one [rad or m]. A topic has the counts ``published``, ``received``
+        or both. If it has both, its rate and latency are for receiving.
     """
     joints = {joint.name: joint.position for item in items for joint in item.body.joints}
     for meter in meters:
@@ -47,13 +47,13 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
 
 
 def write_record(record: Mapping[str, Any], directory: Path) -> Path:
-    """Write a record to ``directory/<node>.json``; the directory is made where there is none.
+    """Write a record to ``directory/<node>.json``, and create the directory if it does not exist.
 
     Returns:
-        Where it was written.
+        The path of the file.
 
     Raises:
-        TutorialError: it cannot be written there.
+        TutorialError: the file cannot be written.
     """
     path = directory / f"{record['node']}.json"
     try:
@@ -65,7 +65,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
 
 
 def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, dict[str, Any]]:
-    """Gather by topic and direction: two publishers of one topic count together, and so do two subscriptions."""
+    """Combine the meters by topic and direction: two publishers of a topic count as one, and so do subscriptions."""
     ends: defaultdict[tuple[str, str], list[TopicMeter]] = defaultdict(list)
     for meter in meters:
         ends[meter.direction, meter.topic].append(meter)
@@ -73,7 +73,7 @@ def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, di
     for item in items:
         applied.update({meter.topic: item.joints.applied for meter in item.joints.meters})
     topics: dict[str, dict[str, Any]] = {}
-    for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # what is received comes last
+    for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # published before received
         record = topics.setdefault(topic, {"type": same[0].type_name})
         record[direction] = sum(meter.count for meter in same)
         if direction == "received" and topic in applied:

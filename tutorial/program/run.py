@@ -1,4 +1,4 @@
-"""When a program's run is over: with its simulation, or, for a program that only displays, with its time."""
+"""Decides when a program's run is over: when its simulation stops, or, if it only displays, after its time."""
 
 import logging
 import time
@@ -8,8 +8,8 @@ from tutorial.handoff import CallQueue
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
-FRAME = 1 / 30  # [s] between two frames of the view, and two checks whether a run is over
-HUNG = 5.0  # [s] without a step, before a run that has a duration is given up
+FRAME = 1 / 30  # [s] between two frames of the view, and between two checks whether a run is over
+HUNG = 5.0  # [s] without a step, after which a run that has a duration is stopped
 QUIET = 0.3  # [s] of silence after which no more messages are expected
 
 _log = logging.getLogger(__name__)
@@ -17,17 +17,17 @@ _log = logging.getLogger(__name__)
 
 @dataclass
 class SimulatedRun:
-    """A run of a simulation, which has been started. It is over when the simulation stops.
+    """A run of a simulation that was started. It is over when the simulation stops.
 
     Args:
-        simulation: what runs.
-        has_duration: whether it should stop by itself. If it does not step any more, the run stops it.
+        simulation: the running simulation.
+        has_duration: whether it should stop by itself. If it makes no steps for too long, the run stops it.
     """
 
     simulation: Simulation
     has_duration: bool
-    _step: int = 0  # when `is_over` was called last
-    _still: int = 0  # for how many frames there was no step; seconds would count, too, while the whole process sleeps
+    _step: int = 0  # at the last call of `is_over`
+    _still: int = 0  # frames without a step; not seconds, which also pass while the whole process sleeps
 
     def is_over(self) -> bool:
         """Return whether the simulation has stopped. Call it once every frame."""
@@ -41,16 +41,16 @@ class SimulatedRun:
 
 @dataclass
 class DisplayedRun:
-    """A run of a program that only displays. It is over after a time.
+    """A run of a program that only displays. It is over after its duration.
 
     Args:
         node: the program's node.
         calls: the main thread's queue of posted calls.
-        duration: [s]; None to go on.
-        linger: the longest wait after the duration [s], for the publishers to go and their messages to be shown.
+        duration: [s]; None for no limit.
+        linger: the longest wait after the duration [s] for the publishers to leave and their messages to be shown.
 
     Attributes:
-        seconds: how long it has gone on [s].
+        seconds: how long the run has taken [s].
     """
 
     node: MeteredNode
@@ -61,14 +61,14 @@ class DisplayedRun:
     _began: float = field(default_factory=time.monotonic)
 
     def is_over(self) -> bool:
-        """Return whether the time is over. Call it once every frame."""
+        """Return whether the run is over. Call it once every frame."""
         self.seconds = time.monotonic() - self._began
         if self.duration is None or self.seconds < self.duration:
             return False
         return self.seconds >= self.duration + self.linger or self._is_drained()
 
     def _is_drained(self) -> bool:
-        """Return whether the publishers have come and gone, and all their messages are shown."""
+        """Return whether all publishers have come and gone, and all their messages are shown."""
         received = [meter for meter in self.node.meters if meter.direction == "received"]
         return (
             not any(self.node.count_publishers(meter.topic) for meter in received)

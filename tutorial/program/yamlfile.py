@@ -1,4 +1,4 @@
-"""YAML files that people write by hand: read, checked against a type, and wrong with a line number."""
+"""Reads hand-written YAML files, checks them against a type, and reports mistakes with their line."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -23,18 +23,18 @@ WORDS = {
     "bool": "true or false",
     "null": "nothing",
 }
-"""What YAML calls the types of msgspec's errors."""
+"""YAML's names for the types in msgspec's errors."""
 
 
 class _Loader(yaml.SafeLoader):
-    """Takes no key twice, and says where a value is not what its tag says; PyYAML does neither."""
+    """Refuses duplicate keys, and reports the line of a value that does not fit its tag. PyYAML does neither."""
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
         node = super().compose_mapping_node(anchor)
         seen = set()
         for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
             if key.value in seen:
-                raise yaml.MarkedYAMLError(None, None, f"{key.value!r} is there twice. Keep one", key.start_mark)
+                raise yaml.MarkedYAMLError(None, None, f"{key.value!r} appears twice. Keep one", key.start_mark)
             seen.add(key.value)
         return node
 
@@ -42,30 +42,29 @@ class _Loader(yaml.SafeLoader):
         try:
             return super().construct_object(node, deep)
         except (ValueError, LookupError, AttributeError, ArithmeticError) as error:
-            problem = f"{node.value!r} is no {node.tag.rpartition(':')[2]}"
+            problem = f"{node.value!r} is not a valid {node.tag.rpartition(':')[2]}"
             raise yaml.MarkedYAMLError(None, None, problem, node.start_mark) from error
 
 
-_Loader.add_implicit_resolver(  # YAML 1.2 has 1e-3 for a number, as everybody else; PyYAML wants 1.0e-3
+_Loader.add_implicit_resolver(  # in YAML 1.2, 1e-3 is a number; PyYAML only accepts 1.0e-3
     "tag:yaml.org,2002:float", re.compile(r"[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
 )
 
 
 class YamlFile(Generic[T]):
-    """One YAML file that has the shape of a type.
+    """A YAML file, checked against a type.
 
     Args:
-        path: where it is.
-        shape: a `msgspec.Struct`, with ``forbid_unknown_fields=True`` so that a mistyped key is found.
-        what: what the file is, as it should appear in errors, for instance ``"project"``.
+        path: the file.
+        shape: a `msgspec.Struct`, with ``forbid_unknown_fields=True`` so that a misspelled key is an error.
+        what: the kind of file, as errors should name it, for instance ``"project"``.
 
     Attributes:
         path: as given.
         data: the file's content.
 
     Raises:
-        TutorialError: there is no such file, it is no YAML, or it has another shape; the text names the line and the
-            mend.
+        TutorialError: the file is missing, is not YAML, or does not fit the type; names the line and the fix.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:
@@ -80,10 +79,10 @@ class YamlFile(Generic[T]):
 
     @contextmanager
     def at(self, *where: str | int) -> Iterator[None]:
-        """Name the file and the line of a place in a `TutorialError` that is raised meanwhile.
+        """Add the file and a line to every `TutorialError` that is raised inside this context.
 
         Args:
-            where: the keys and indices that lead to the place.
+            where: the keys and indices that lead to the line.
         """
         try:
             yield
@@ -101,9 +100,9 @@ class YamlFile(Generic[T]):
         return int(named.start_mark.line) + 1
 
     def _parse(self, text: str) -> tuple[yaml.Node, Any]:
-        """Read the file as nodes, which know their lines, and as what they say."""
+        """Parse the file twice: into nodes, which know their lines, and into their values."""
         try:
-            root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # of what is empty, all is missing
+            root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # an empty file lacks every field
             return root, _Loader("").construct_document(root)
         except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
             mark = getattr(error, "problem_mark", None)
@@ -113,23 +112,23 @@ class YamlFile(Generic[T]):
 
 
 def _refusal(error: str, shape: type) -> tuple[list[str | int], str]:
-    """Return the place where msgspec has found something wrong, and say in YAML's words what it is."""
+    """Return the place of the mistake that msgspec found, and describe the mistake in YAML's terms."""
     problem, _, path = error.partition(" - at ")
     where = [int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", path)]
     name = problem.partition("`")[2][:-1]
     if problem.startswith("Object contains unknown field"):
-        return [*where, name], f"{name!r} is not known here.{did_you_mean(name, _fields(shape, where))}"
+        return [*where, name], f"unknown key {name!r}.{did_you_mean(name, _fields(shape, where))}"
     if problem.startswith("Object missing required field"):
         return where, f"{name!r} is missing here."
     if path.startswith("`key` in"):
-        return where, "a key here is no text. Put it in quotes."
+        return where, "a key here is not a text. Put it in quotes."
     place = path.strip("`$.")
     words = re.sub(r"`(\w+)`", lambda found: WORDS.get(found[1], found[1]), problem)
     return where, f"{place}{': ' * bool(place)}{words[0].lower()}{words[1:]}."
 
 
 def _fields(shape: type, where: Iterable[str | int]) -> list[str]:
-    """Return the names of the fields of the structure at a place."""
+    """Return the field names of the structure at a place."""
     info: Any = inspect.type_info(shape)
     for step in where:
         info = info.item_type if isinstance(step, int) else {each.name: each.type for each in info.fields}[step]

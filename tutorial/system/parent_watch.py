@@ -1,10 +1,10 @@
-"""Starts commands that end when their parent does, even when that is killed: ``python parent_watch.py COMMAND...``.
+"""Starts a command that ends when its parent does, even if the parent is killed: ``python parent_watch.py COMMAND...``.
 
-Standard input is the watch: when its other end is closed, because the parent has gone, this process asks the command to
-stop, and kills it if it doesn't. The command and this process are one process group, which can be signalled as a whole.
-Signals that ask are left to the command.
+The watch is standard input: when its other end is closed, because the parent is gone, this process asks the command to
+stop, and kills it if it doesn't. The command and this process form one process group, so a signal reaches both. The
+command itself handles the signals that ask it to stop.
 
-Standard library only, and run by its path: starting it costs next to nothing.
+This file imports only the standard library and is run by its path, so it starts quickly.
 """
 
 import os
@@ -16,13 +16,13 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-PATIENCE = 5.0  # [s] from asking to killing
+PATIENCE = 5.0  # [s] between asking and killing
 ASKING = {signal.SIGINT, signal.SIGTERM}
 OWN = str(Path(sys.executable).with_name("tank"))
 
 
 def main() -> int:
-    """Run the command, and return its exit status; 128 + n where signal n ended it."""
+    """Run the command, and return its exit status; 128 + n if signal n ended it."""
     command = sys.argv[1:]
     signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)
     early: set[int] = set()
@@ -33,7 +33,7 @@ def main() -> int:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
     for asking in ASKING:
-        signal.signal(asking, lambda *_: None)  # the command has it, too
+        signal.signal(asking, lambda *_: None)  # the command receives it, too
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)
     threading.Thread(target=_watch, args=(process,), daemon=True).start()
     status = process.wait()
@@ -43,17 +43,19 @@ def main() -> int:
 def start_watched(
     words: Sequence[str], environment: Mapping[str, str], folder: str | Path | None = None
 ) -> subprocess.Popen[str]:
-    """Start a command that ends when this process does. What it prints, errors too, are lines of text from its stdout.
+    """Start a command that ends when this process does. Its stdout also carries its stderr, as lines of text.
 
     Args:
         words: the command and its arguments.
-        environment: its variables.
-        folder: where it works; None for the current directory.
+        environment: its environment variables.
+        folder: its working directory; None for the current directory.
 
     Raises:
-        OSError, TypeError, ValueError: it cannot be started so.
+        OSError, TypeError, ValueError: it cannot be started with these arguments.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)  # a child has this, too, and is quiet until it is ready
+    before = signal.pthread_sigmask(
+        signal.SIG_BLOCK, ASKING
+    )  # a child inherits this mask, and unblocks when it is ready
     try:
         return subprocess.Popen(
             [sys.executable, "-S", "-I", __file__, *words],
@@ -71,22 +73,22 @@ def start_watched(
 
 
 def signal_group(pid: int, number: int) -> bool:
-    """Signal a watched command, with all that comes from it; 0 asks nothing of it.
+    """Send a signal to a watched command and all its child processes; 0 only checks whether they exist.
 
     Returns:
-        Whether there is something left of it.
+        Whether any of these processes still exists.
     """
     try:
         os.killpg(pid, number)
-    except (ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+    except (ProcessLookupError, PermissionError):  # macOS raises PermissionError for a zombie
         return False
     return True
 
 
 def _begin(program: str, early: set[int]) -> None:
-    """Restore the command's signals, and send it those that came before it was started, each once.
+    """Restore the command's signals, and send it each signal that arrived before it was started.
 
-    Of SIGINT, which Python tells with a traceback while it starts, ``tank`` itself says when it takes it.
+    ``tank`` unblocks SIGINT itself, because until it is ready Python would answer it with a traceback.
     """
     for asking in ASKING:
         signal.signal(asking, signal.SIG_DFL)
@@ -96,7 +98,7 @@ def _begin(program: str, early: set[int]) -> None:
 
 
 def _watch(process: subprocess.Popen[bytes]) -> None:
-    """Wait until the other end of stdin is closed, then end the group."""
+    """Wait until the other end of stdin is closed, then end the process group."""
     os.read(0, 1)
     os.killpg(0, signal.SIGINT)
     try:

@@ -1,9 +1,9 @@
-"""Where the tutorial's files are: projects, launch files, notebooks, drives, models.
+"""Finds the tutorial's files: projects, launch files, notebooks, drives, models.
 
-A folder that holds them is a *course folder*. There are three kinds: a checkout; the one within an installed package,
-which is never written to; and a learner's own, which ``tank lab`` copies from that. Which is meant depends on where one
-works, and is decided once in a process: the nearest course folder from the current directory upwards; else the
-checkout that the package is in; else the package's own.
+A folder that holds them is a *course folder*. There are three kinds: a checkout; the folder in an installed package,
+which is never written to; and a learner's copy of that, made by ``tank lab``. A process chooses one at its start: the
+nearest course folder from the current directory upwards; else the checkout that contains the package; else the folder
+in the package.
 """
 
 import os
@@ -14,47 +14,47 @@ from pathlib import Path
 from tutorial.errors import TutorialError, did_you_mean
 
 COURSE = ("launch_py", "notebooks", "project")
-"""What a course folder has in it."""
+"""The folders that make a folder a course folder."""
 
 ROOT = 0  # the user
 
 OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
-"""Suffixes of models, besides .xml. Reading a xacro file raises an error that says what to do."""
+"""Suffixes of models besides .xml. Reading a xacro file raises an error that says how to convert it."""
 
 PACKAGE = Path(__file__).resolve().parents[1]
-"""The folder of the package ``tutorial``; what is above it is where Python finds it."""
+"""The folder of the package ``tutorial``. The folder above it is on Python's path."""
 
 SHIPPED = PACKAGE / "_files"
-"""The course folder within an installed package. A checkout has none."""
+"""The course folder in an installed package. A checkout does not have it."""
 
 
 def is_file(path: Path) -> bool:
-    """Whether a path that somebody has written leads to a file; one that is too long, or no path at all, does not."""
+    """Return whether a path is a file. A user may have written it: one that is too long or malformed is not a file."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises for what cannot be a path
 
 
 def is_folder(path: Path) -> bool:
-    """Whether such a path leads to a folder, which one may look into."""
+    """Return whether a path that a user may have written is a folder."""
     return os.path.isdir(path)  # noqa: PTH112 - pathlib raises for what cannot be a path
 
 
 def find_home(start: Path) -> Path:
-    """Find the course folder for whoever works in a folder.
+    """Find the course folder to use in a working directory.
 
     Args:
-        start: the folder, absolute.
+        start: the working directory, absolute.
     """
     beside = PACKAGE.parent if is_course(PACKAGE.parent) else SHIPPED
     return next((folder for folder in (start, *start.parents) if is_course(folder) and is_ours(folder)), beside)
 
 
 def is_course(folder: Path) -> bool:
-    """Whether a folder is a course folder."""
+    """Return whether a folder is a course folder."""
     return all(is_folder(folder / part) for part in COURSE)
 
 
 def is_ours(folder: Path) -> bool:
-    """Whether a folder is no stranger's: what is in a course folder is run."""
+    """Return whether this user or root owns a folder. The code in a course folder is run, so a stranger's won't do."""
     return folder.stat().st_uid in (os.getuid(), ROOT)
 
 
@@ -63,37 +63,37 @@ HOME = find_home(Path.cwd())
 
 
 def find_project(given: str) -> Path:
-    """Find a project file: a path, or the name of one of the tutorial's own, such as ``step3``.
+    """Find a project file by its path, or by the name of a tutorial project, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such project; the text names the nearest.
+        TutorialError: there is no such project; suggests the nearest name.
     """
     return _find(given, HOME / "project", ".yaml", "project")
 
 
 def find_drive(given: str) -> Path:
-    """Find a drive file: a path, or the name of one of the tutorial's own, such as ``tour``.
+    """Find a drive file by its path, or by the name of a tutorial drive, such as ``tour``.
 
     Raises:
-        TutorialError: there is no such drive; the text names the nearest.
+        TutorialError: there is no such drive; suggests the nearest name.
     """
     return _find(given, HOME / "project" / "drives", ".yaml", "drive")
 
 
 def find_launch_file(given: str) -> Path:
-    """Find a launch file: a path, or the name of one of the tutorial's own, such as ``step3``.
+    """Find a launch file by its path, or by the name of a tutorial launch file, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such launch file; the text names the nearest.
+        TutorialError: there is no such launch file; suggests the nearest name.
     """
     return _find(given, HOME / "launch_py", ".launch.py", "launch file")
 
 
 def find_model(given: str) -> Path:
-    """Find a model: a path, or the name of one of the tutorial's own, such as ``tank``, or as bodies have it, ``Tank``.
+    """Find a model by its path, or by the name of a tutorial model, ``tank`` or, like the body, ``Tank``.
 
     Raises:
-        TutorialError: there is no such model; the text names the nearest.
+        TutorialError: there is no such model; suggests the nearest name.
     """
     if given.lower().endswith((".xml", *OTHER_MODELS)) and is_file(Path(given)):
         return Path(given)
@@ -102,7 +102,7 @@ def find_model(given: str) -> Path:
 
 
 def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
-    """Let a process find the commands that are installed beside this Python, such as ``tank``, activated or not."""
+    """Return an environment whose PATH has this Python's commands, such as ``tank``, even if it is not activated."""
     commands = (str(Path(sys.executable).parent), environment.get("PATH", os.defpath))
     return {**environment, "PATH": os.pathsep.join(commands)}
 
@@ -110,7 +110,7 @@ def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
 def _find(given: str, folder: Path, suffix: str, what: str) -> Path:
     if is_file(Path(given)):
         if not given.endswith(suffix):
-            raise TutorialError(f"{given!r} is no {what}: the name of one ends in {suffix!r}.")
+            raise TutorialError(f"{given!r} is not a {what}: its name does not end in {suffix!r}.")
         return Path(given)
     if is_file(folder / f"{given}{suffix}"):
         return folder / f"{given}{suffix}"

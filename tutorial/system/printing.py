@@ -1,4 +1,4 @@
-"""Prints what comes in part from outside, at a terminal and in a cell."""
+"""Prints text that may contain parts from outside, at a terminal or in a cell."""
 
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
@@ -9,19 +9,19 @@ from tutorial.errors import printable_lines
 
 
 def say(text: str, err: bool = False) -> None:
-    """Print a text that has its line breaks, at once, also into a pipe. All that the commands print goes through here.
+    """Print a text with its own line ends, and flush. All commands print with this function.
 
-    Some of it comes from outside, and a terminal obeys what it is sent: control characters are shown as escapes.
+    Control characters are printed as escapes: parts of the text may come from outside, and a terminal would obey them.
 
     Args:
-        text: what to print.
-        err: on stderr.
+        text: the text.
+        err: print on stderr.
     """
     click.echo(printable_lines(text), nl=False, err=err)
 
 
 async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print texts as they come: so many of them, or to the end."""
+    """Print texts as they arrive: the first ``count`` of them, or all."""
     async with aclosing(texts):
         async for text in texts:
             say(text)
