@@ -77,7 +77,7 @@ def test_every_controller_file_holds_the_controller_that_it_is_called_after():
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known are 'Mine'. A controller's class is called"),
+        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known are 'Mine'. A controller's class has"),
         ("MyBroken", "1 / 0\n", "my_broken.py, line 1: ZeroDivisionError"),
     ],
 )
