@@ -1,4 +1,4 @@
-"""The tables of steps in the README and the book, made from one list: ``make steps`` writes them."""
+"""Generate the tables of steps in the README and the book from one list: ``make steps`` writes them."""
 
 import re
 from pathlib import Path
@@ -7,27 +7,27 @@ HOME = Path(__file__).parents[1]
 TABLE = re.compile(r"(?<=^\| step \|).*\n(?:\|.*\n)+", re.MULTILINE)
 
 STEPS = (
-    ("setup", "nothing: you see the tank, and who talks to whom", ""),
+    ("setup", "nothing yet: you meet the tank, and see who talks to whom", ""),
     ("tank_controller", "a controller that listens to the joystick", "`/joy`"),
     ("joint_state_publisher", "a publisher of joint states", "`/Tank/joint_state`"),
     ("joint_state_subscriber", "a viewer, in a second program", "`/Tank/joint_state`"),
-    ("imu_publisher", "a publisher of what the sensors measure", "`/Tank/imu`"),
+    ("imu_publisher", "a publisher of the sensors' measurements", "`/Tank/imu`"),
     ("imu_subscriber", "a viewer of the sensors that shakes", "`/Tank/imu`"),
-    ("camera_publisher", "a publisher of what the camera sees", "`/Tank/camera/image`"),
-    ("pose", "where the tank is, and a viewer whose tank drives", "`/tf`"),
-    ("bag_recorder", "a recorder of messages, whose bag you play again", "`/Tank/joint_state`"),
+    ("camera_publisher", "a publisher of the camera's images", "`/Tank/camera/image`"),
+    ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
+    ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
 )
-"""Of each step the name, what you build, and the topic. Its files have its name or number, or begin with it."""
+"""Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 
 PAGES = {
     "README.md": ("step", "notebook", "you build", "controller", "project", "launch file", "topic"),
     "book/index.md": ("notebook on the page", "you build", "topic"),
 }
-"""By page, what is in the columns."""
+"""The columns of each page's table."""
 
 
 def pages() -> dict[Path, str]:
-    """What the pages are, with their tables as they should be."""
+    """Return the text of each page with up-to-date tables."""
     rows = [_row(number, *step) for number, step in enumerate(STEPS)]
     written = {}
     for page, columns in PAGES.items():
@@ -53,7 +53,7 @@ def _row(number: int, name: str, builds: str, topic: str) -> dict[str, str]:
 
 
 def _files(folder: str, name: str, suffix: str) -> str:
-    """Link to the files of this name, or of names that begin with it."""
+    """Return links to the files whose names are or begin with `name`."""
     found = sorted([*HOME.glob(f"{folder}/{name}{suffix}"), *HOME.glob(f"{folder}/{name}_*{suffix}")])
     return ", ".join(f"[`{path.name}`]({folder}/{path.name})" for path in found)
 
