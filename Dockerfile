@@ -1,11 +1,11 @@
-# One image with the course, for Docker, Binder, JupyterHub and, without the course, the dev container.
+# An image with the course, for Docker, Binder and JupyterHub. Its stage `dev`, without the course, is the dev container.
 #
 #   docker build -t tank-tutorial .
 #   docker run --rm -it -p 127.0.0.1:8888:8888 tank-tutorial
 #
 # On ARM, pass --platform linux/amd64 to both, because PyPI has no Cyclone DDS for Linux on ARM. This has not been tested.
 #
-# What a learner changes is below /home/learner, where a hub mounts the learner's own volume.
+# Learners' files are below /home/learner, where a hub mounts the learner's own volume.
 
 FROM python:3.13-slim-trixie AS base
 RUN apt-get update \

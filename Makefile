@@ -1,5 +1,5 @@
-# `make help` lists the targets. They need make and Python 3.11, 3.12 or 3.13. With only another Python, `make` gets 3.13
-# from uv; `make PYTHON=/path/to/python3.12` chooses one.
+# `make help` lists the targets. They need make and Python 3.11, 3.12 or 3.13. If no such Python is installed, `make`
+# gets 3.13 from uv; `make PYTHON=/path/to/python3.12` chooses one.
 
 PYTHON ?=
 BIN := .venv/bin
@@ -15,15 +15,15 @@ APART := ros2 or nightly
 PROXY := configurable-http-proxy@5.3.0
 USERS ?= 30
 RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
-WHEELS := $(filter Linux-x86_64,$(shell uname -sm | tr ' ' '-'))# where PyPI has a real ROS 2
+WHEELS := $(filter Linux-x86_64,$(shell uname -sm | tr ' ' '-'))# the platform for which PyPI has a real ROS 2
 ON_ROS2 := beside-ros2 $(if $(WHEELS),notebooks-on-rclpy lesson-on-rclpy) $(if $(TANK_REAL_ROS2),$(RMWS:%=behaviours-on-%))
 LESSON := tests/ros/pocket tests/controllers tests/checks tests/course/test_notebooks.py $(wildcard tests/test_*.py)
-export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
-unexport MAKEFLAGS  # ninja, which tests start, would take part in make's jobs
+export PYTHONDONTWRITEBYTECODE :=  # compile modules once, not in each of hundreds of processes
+unexport MAKEFLAGS  # or ninja, which tests start, would join make's job server
 
 .PHONY: help book wheel demo ros test test-all test-slow test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps comparison screenshots lab hub hub-load install bench soak mutants lint clean
 
-demo: install ## step 3 as a whole: joystick, simulation and viewer [DURATION=20]
+demo: install ## all of step 3: joystick, simulation and viewer [DURATION=20]
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
 
 help: ## this list
@@ -32,7 +32,7 @@ help: ## this list
 ros: install ## install a real ROS 2 beside .venv, on Linux on x86-64
 	@$(BIN)/tank ros install
 
-test: install ## the tests that need one process, and the notebooks: some minutes [PYTEST_ARGS="-k joints"]
+test: install ## the single-process tests and the notebooks: a few minutes [PYTEST_ARGS="-k joints"]
 	$(PYTEST) $(if $(PYTEST_ARGS),,$(SIDE_BY_SIDE)) -m "not ($(SLOW) or $(APART))" $(PYTEST_ARGS)
 	@echo "Left out: tests that start processes, a browser or a build (make test-all), and tests that need a real ROS 2 (make test-ros2)."
 
@@ -41,7 +41,7 @@ test-all: test test-slow ## also the tests that start processes, a browser or a 
 test-slow: install ## only the tests that start processes, a browser or a build
 	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
 
-test-ros2: $(ON_ROS2) ## the tests that need a real ROS 2: the one of make ros, and the one of TANK_REAL_ROS2 if it is set
+test-ros2: $(ON_ROS2) ## the tests that need a real ROS 2: that of make ros, and that of TANK_REAL_ROS2 if it is set
 
 ready-for-ros2: $(if $(WHEELS),ros,install)
 	@test -n "$(WHEELS)$(TANK_REAL_ROS2)" || { echo "PyPI has no ROS 2 for this machine. Set TANK_REAL_ROS2 to a command that runs another command with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
@@ -58,7 +58,7 @@ lesson-on-rclpy: ready-for-ros2
 $(RMWS:%=behaviours-on-%): behaviours-on-%: ready-for-ros2
 	RMW_IMPLEMENTATION=$* $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket
 
-nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install) ## all that takes long: soaks, mutants, many rounds, a class; with TANK_REAL_ROS2, also the tests on both RMWs
+nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install) ## everything that takes long: soaks, mutants, many rounds, a class; with TANK_REAL_ROS2, also the tests on both RMWs
 	$(PYTEST) -m nightly tests
 	$(PYTEST) --hypothesis-profile random -m hypothesis tests
 	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)
@@ -66,7 +66,7 @@ nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install
 nbval: install ## only the notebooks: run them from the top and compare their outputs
 	$(PYTEST) notebooks $(PYTEST_ARGS)
 
-notebooks: install ## run the notebooks and save their outputs; then look at what git shows
+notebooks: install ## run the notebooks and save their outputs; then review the git diff
 	$(BIN)/python tests/support/execute_notebooks.py
 
 steps: install ## write the tables of steps in the README and the book
@@ -75,32 +75,32 @@ steps: install ## write the tables of steps in the README and the book
 comparison: install ## write the table of book/comparison.md: how other viewers show faulty messages
 	$(BIN)/python book/comparison_table.py
 
-screenshots: install ## make the README's animated picture; it takes some minutes
+screenshots: install ## make the README's animated picture; takes a few minutes
 	@PYTHONPATH=tests/support $(BIN)/python tests/screenshots
 
 lab: install ## JupyterLab on the first notebook
 	@$(BIN)/tank lab
 
-hub: .venv/hub ## a JupyterHub with the course, to try; it needs npm, too
+hub: .venv/hub ## a JupyterHub with the course, to try it out; also needs npm
 	@mkdir -p .hub
 	@export TANK_HUB_PASSWORD=$$($(BIN)/python -c 'import secrets; print(secrets.token_urlsafe(12))') && \
-	echo "Open http://127.0.0.1:8000 and log in with any name and the password $$TANK_HUB_PASSWORD. What the users change stays in .hub/homes." && \
+	echo "Open http://127.0.0.1:8000 and log in with any name and the password $$TANK_HUB_PASSWORD. The users' files stay in .hub/homes." && \
 	cd .hub && ../$(BIN)/jupyterhub -f ../tests/hub/jupyterhub_config.py --JupyterHub.bind_url=http://127.0.0.1:8000
 
 hub-load: .venv/hub ## memory and processor time of each user of a JupyterHub [USERS=30]
 	@PYTHONPATH=tests/support $(BIN)/python tests/hub $(USERS)
 
-bench: install ## what things cost, as ratios made in one run
+bench: install ## measure what things cost, as ratios within one run
 	@PYTHONPATH=tests/support $(BIN)/python tests/bench
 
 soak: install ## a thousand messages a second for a minute: losses, latency, memory and a bag; then floods [DURATION=60]
 	@PYTHONPATH=tests/support $(BIN)/python tests/soak $(DURATION)
 	@PYTHONPATH=tests/support $(BIN)/python tests/soak/floods.py $(DURATION)
 
-mutants: install ## every small fault in the exercises' solutions: which ones the checks find [EXERCISES="fire aim"]
+mutants: install ## put every small fault into the exercises' solutions, and list those that the checks find [EXERCISES="fire aim"]
 	@PYTHONPATH=tests/support $(BIN)/python tests/mutants $(EXERCISES)
 
-book: install ## the notebooks and the pages around them, as a site in book/_build/html; with npm, also the page that drives
+book: install ## the notebooks and the pages around them, as a site in book/_build/html; with npm, also the page Drive it
 	$(BIN)/python -m sphinx -W --keep-going -b html -d book/_build/trees book book/_build/html
 	@echo "The book is in book/_build/html/index.html"
 
@@ -108,7 +108,7 @@ wheel: install ## the wheels of tank-tutorial and pocket-ros2, in dist/
 	@$(PIP) wheel -q --no-deps -w dist . ./$(POCKET)
 	@ls dist/*.whl
 
-lint: .venv/lint ## ruff, mypy and import-linter, and the schemas of the workflows
+lint: .venv/lint ## run ruff, mypy and import-linter, and check the workflows' schemas
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -116,7 +116,7 @@ lint: .venv/lint ## ruff, mypy and import-linter, and the schemas of the workflo
 	$(BIN)/check-jsonschema -q --builtin-schema vendor.github-workflows .github/workflows/*.yml
 	$(BIN)/check-jsonschema -q --builtin-schema custom.github-workflows-require-timeout .github/workflows/*.yml
 
-install: .venv/install ## install what these commands need into .venv, if it is out of date
+install: .venv/install ## install the dependencies of these commands into .venv, if it is out of date
 
 .venv/install: pyproject.toml $(POCKET)/pyproject.toml constraints.txt
 	@python=$$(sh .ci/find_python "$(PYTHON)") && \

@@ -1,4 +1,4 @@
-"""Step 4: a joystick, and a simulation that publishes its joint states and what its inertial sensors measure."""
+"""Step 4: a joystick, and a simulation that publishes its joint states and its inertial sensors' measurements."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Step 5: as step 4, and a viewer in a program of its own that shows what the simulation publishes."""
+"""Step 5: like step 4, with a viewer in a separate program that shows the sensors' measurements."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Step 6: a joystick, and a simulation that publishes its joint states and what its camera sees."""
+"""Step 6: a joystick, and a simulation that publishes its joint states and its camera's images."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Step 7: a simulation that publishes where the tank is, and a viewer in a program of its own that shows it there."""
+"""Step 7: a simulation that publishes the tank's pose, and a viewer in a separate program that shows the tank there."""
 
 from pathlib import Path
 

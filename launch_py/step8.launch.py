@@ -1,4 +1,4 @@
-"""Step 8: as step 3, and what the simulation says of its joints is recorded in a bag."""
+"""Step 8: like step 3, with a recorder that writes the simulation's joint states to a bag."""
 
 from pathlib import Path
 
