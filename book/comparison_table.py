@@ -1,4 +1,4 @@
-"""Write the table of `comparison.md`: how this tutorial's viewer and others show the same faulty stream.
+"""Write the table of `comparison.md`, which compares how viewers show the same faulty stream.
 
 Run ``make comparison`` after a change to `tutorial/joints.py` or to a fault.
 """
@@ -21,17 +21,17 @@ PAGE = Path(__file__).with_name("comparison.md")
 TABLE = re.compile(r"(?<=<!-- made by book/comparison_table.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 MESSAGES = 2000
-RATE = 20  # [Hz], at which robot_state_publisher publishes, too
+RATE = 20  # [Hz], the rate of robot_state_publisher
 SHARE = 0.1
 SEED = 1
 RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 
 
 def judge(kind: type[Viewer], fault: str) -> str:
-    """Show a stream to a viewer, and describe how often its pose was not right, and whether it reported that.
+    """Show a stream to a viewer, and describe how often its pose was not right and whether it reported that.
 
-    A pose is right if each joint is where the good stream has it. It is stale if the other joints are where they were
-    before, and wrong otherwise.
+    A pose is right if each joint is where the good stream has it. It is stale if the remaining joints are where they
+    were before, and wrong otherwise.
     """
     viewer = kind(RANGES)
     seen: dict[str, set[float]] = {joint: set() for joint in RANGES}
@@ -51,7 +51,7 @@ def judge(kind: type[Viewer], fault: str) -> str:
 
 @lru_cache(maxsize=1)
 def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
-    """Return the good messages, each with what a fault makes of it. All viewers are shown the same ones."""
+    """Return each good message with the actions that a fault turns it into; the same ones for every viewer."""
     chaos = Chaos(seed=SEED)
     made = []
     for number in range(1, 1 + MESSAGES):

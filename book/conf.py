@@ -1,4 +1,4 @@
-"""The book: Sphinx reads the pages of this folder, and the notebooks as they are committed."""
+"""Configure Sphinx to build the book from the pages in this folder and the notebooks with their committed outputs."""
 
 import re
 import shutil
@@ -8,7 +8,7 @@ from typing import Any
 
 BOOK = Path(__file__).parent
 sys.path[:0] = [str(BOOK.parent), str(BOOK)]
-sys.modules["rfc3987_syntax"] = None  # not imported: it takes a second, and no page needs it
+sys.modules["rfc3987_syntax"] = None  # block this import: it takes a second, and no page needs it
 
 # ruff: noqa: E402
 from docutils.nodes import SkipNode
@@ -55,7 +55,7 @@ VIEWER = ("main.min.js", "main.min.js.LICENSE.txt")
 
 
 def setup(app: Any) -> None:
-    """Have Sphinx write the notebooks' pages first, and put the one player of replays where all pages find it."""
+    """Write the notebooks' pages, and register the hooks that complete the pages and the site."""
     write_pages(BOOK.parent / "notebooks", BOOK / "notebooks")
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
     app.connect("env-get-outdated", lambda *_: ["controllers", "drive"])
@@ -67,7 +67,7 @@ def setup(app: Any) -> None:
 
 
 def add_controllers(_app: Any, page: str, source: list[str]) -> None:
-    """Show the controllers on their page, in the order of the notebooks that build them."""
+    """Add the controllers to their page, in the order of the notebooks that build them."""
     if page == "controllers":
         for path in sorted((BOOK.parent / "notebooks").glob("[1-9]_*.ipynb")):
             number, name = path.stem.split("_", 1)
@@ -78,7 +78,7 @@ def add_controllers(_app: Any, page: str, source: list[str]) -> None:
 
 
 def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
-    """Give a page that has replays what plays them."""
+    """Add the replay player to a page that has replays."""
     if '"tank-replay"' in context.get("body", ""):
         app.add_css_file("replay.css")
         app.add_js_file("main.min.js", loading_method="defer")
@@ -86,21 +86,21 @@ def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _t
 
 
 def leave_drive_out(_app: Any, page: str, source: list[str]) -> None:
-    """Say on the page on which the tank drives that it does not, where there is no npm to fetch what it drives with."""
+    """Without npm, replace the driving part of the page `drive` by an explanation."""
     if page == "drive" and not fetch():
         source[0] = re.sub(r"```\{raw\} html.*?```", WITHOUT_NPM, source[0], flags=re.DOTALL)
         logger.info(WITHOUT_NPM)
 
 
 def add_drive(app: Any, page: str, *_: Any) -> None:
-    """Give the page on which the tank drives its script."""
+    """Add the script and style of the page `drive`."""
     if page == "drive" and fetch():
         app.add_css_file("drive.css")
         app.add_js_file("drive.js", loading_method="defer")
 
 
 def write_player(app: Any, error: Exception | None) -> None:
-    """Write what plays the replays of all pages, and what the tank drives with."""
+    """Write one replay player for all pages, and the files of the page `drive`."""
     if error is not None or app.builder.format != "html":
         return
     static = Path(app.outdir) / "_static"
@@ -112,12 +112,12 @@ def write_player(app: Any, error: Exception | None) -> None:
 
 
 def visit_math(translator: Any, node: Any) -> None:
-    """Write a formula as the browser's own mathematics; nothing has to be fetched for it."""
+    """Write a formula as MathML, which browsers display without loading anything."""
     translator.body.append(convert(node.astext()))
     raise SkipNode
 
 
 def visit_math_block(translator: Any, node: Any) -> None:
-    """Write a formula in a line of its own."""
+    """Write a formula as MathML on its own line."""
     translator.body.append(convert(node.astext(), display="block"))
     raise SkipNode

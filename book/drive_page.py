@@ -1,7 +1,7 @@
-"""The files of the page `drive`: the course's own Python, its models, and Python and MuJoCo for a browser.
+"""Write the files of the page `drive`: the course's Python code and models, and Python and MuJoCo for a browser.
 
-The page's controllers are those of the course, as they are. What a browser does not have, Cyclone DDS and the thread of
-a simulation, is made up for by ``drive/python``.
+The page runs the course's controllers unchanged. ``drive/python`` replaces the parts that a browser lacks: Cyclone DDS
+and the simulation's thread.
 """
 
 import json
@@ -32,28 +32,28 @@ PACKAGES = {
     "@mujoco/mujoco@3.14.0": ("mujoco.js", "mujoco.wasm"),
     "pyodide@314.0.7": ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip"),
 }
-"""What is fetched with npm, and which files of it the page needs. Nothing of it is in the repository."""
+"""The npm packages, which are not in the repository, and the files that the page needs from them."""
 
 IDL = ("__init__", "_builder", "_machinery", "_main", "_support", "_type_helper", "_type_normalize", "types")
 CYCLONE = ("cyclonedds/qos.py", *(f"cyclonedds/idl/{name}.py" for name in IDL))
-"""Of Cyclone DDS's package what is Python: its policies, and the codec by which the pocket ROS 2 encodes."""
+"""The pure Python files of Cyclone DDS's package: its policies, and the codec that the pocket ROS 2 uses."""
 
 LOCK = "pyodide-lock.json"
-"""Which further packages Pyodide knows; the page has none of them."""
+"""The list of packages that Pyodide can load; the page provides none of them."""
 
 MODULES = ("controller", "controller_files", "errors", "handoff", "joints", "paths", "ros/__init__", "ros/joy")
-"""Of ``tutorial``, besides the controllers."""
+"""The modules of ``tutorial`` that the page needs, besides the controllers."""
 
 PROGRAMS = {
     "simulation": ("step2", "TankController", "tank_controller.py"),
     "viewer": ("step3", "JointStateSubscriber", "joint_state_subscriber.py"),
 }
-"""The page's programs: which project each runs, and which of its controllers the visitor edits, in which file."""
+"""The page's programs: each one's project, and the class and file of the controller that the visitor edits."""
 
 
 @cache
 def fetch() -> Path | None:
-    """Fetch the packages with npm, unless they are there; None where there is no npm, or it fails."""
+    """Return the folder of the npm packages, and fetch them first if necessary; None without npm, or if it fails."""
     marker = FETCHED / "fetched.json"
     if marker.is_file() and json.loads(marker.read_text()) == [*PACKAGES]:
         return FETCHED / "node_modules"
@@ -71,12 +71,12 @@ def fetch() -> Path | None:
 
 
 def write_python(folder: Path) -> None:
-    """Write the page's Python into a folder: the course's, the pocket ROS 2, and what stands in for the rest."""
+    """Write the page's Python code into a folder: the course, the pocket ROS 2, and replacements for the rest."""
     course = [HOME / "tutorial" / f"{name}.py" for name in MODULES]
     files = {path: path.relative_to(HOME) for path in (*course, *(HOME / "tutorial/controllers").glob("*.py"))}
     cyclone = Path(str(distribution("cyclonedds").locate_file("")))
     files |= {cyclone / name: Path(name) for name in CYCLONE}
-    for root in (POCKET, HERE / "python"):  # the latter's files take the place of the former's
+    for root in (POCKET, HERE / "python"):  # files of the second replace those of the first
         files |= {path: path.relative_to(root) for path in root.rglob("*") if path.suffix in (".py", ".json")}
     for path, name in files.items():
         if name.parts[0] != "launch":
@@ -85,7 +85,7 @@ def write_python(folder: Path) -> None:
 
 
 def script() -> str:
-    """Return the page's script, with what it shares with the widgets."""
+    """Return the page's script, including the code that it shares with the widgets."""
     sticks = read_static("make.js", "cell.js", "joystick.js").replace("\nexport default ", "\nreturn ")
     shared = read_static("make.js", "scene.js", "viewer.js")
     page = (HERE / "drive.js").read_text(encoding="utf-8")
@@ -94,12 +94,12 @@ def script() -> str:
 
 
 def style() -> str:
-    """Return how the page looks."""
+    """Return the page's style sheet."""
     return read_static("scene_view.css", "joystick.css") + (HERE / "drive.css").read_text(encoding="utf-8")
 
 
 def write_site(static: Path) -> None:
-    """Write all files of the page into the book's folder of static files; none where there is no npm to fetch with."""
+    """Write all files of the page into the book's folder of static files; none without npm."""
     packages = fetch()
     if packages is None:
         return
@@ -109,7 +109,7 @@ def write_site(static: Path) -> None:
         for name in names:
             shutil.copyfile(packages / package.rpartition("@")[0] / name, folder / name)
     lock = json.loads((packages / "pyodide" / LOCK).read_text(encoding="utf-8"))
-    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or it offers others' sites
+    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or Pyodide would load packages from other sites
     with TemporaryDirectory() as course:
         write_python(Path(course))
         shutil.make_archive(str(folder / "course"), "zip", course)
@@ -124,7 +124,7 @@ def write_site(static: Path) -> None:
 
 
 def _program(name: str, project: Project, controller: str, file: str) -> tuple[dict[str, Any], bytes]:
-    """Return what a program of the page is given, and the scene that its view begins with."""
+    """Return the setup of one of the page's programs, and its view's initial scene."""
     placements = [each.placement for each in project.bodies]
     spec = world_spec(placements)
     model = spec.compile()
@@ -141,7 +141,7 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
     setup = {
         "node": "tank" if project.time_step else "viewer",
         "simulates": project.time_step is not None,
-        "xml": spec.to_xml().replace(' input="vel"', ""),  # which MuJoCo 4 writes, and 3.14 does not know
+        "xml": spec.to_xml().replace(' input="vel"', ""),  # MuJoCo 4 writes this, but 3.14 does not understand it
         "joints": [
             {"name": j.name, "limits": j.range, "qpos": j.qpos_adr, "dof": j._dof_adr, "ctrl": motors[j.name]}
             for j in body.joints
@@ -157,7 +157,7 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
 
 
 def _paths(scene: Scene, model: mujoco.MjModel) -> dict[int, str]:
-    """Return, by MuJoCo's number of a body that moves, where it is in the scene."""
+    """Return each moving body's path in the scene, by MuJoCo's body number."""
     records = unpack_records(scene.snapshot())
     commands = [unpack_command(payload) for kind, payload in records if kind is Record.COMMAND]
     paths = {each["path"] for each in commands if each["type"] == "set_transform"}

@@ -1,7 +1,7 @@
-"""What the widgets of a notebook have shown, kept while it is run, for the book, where no kernel brings them to life.
+"""Save what a notebook's widgets show while it runs, for the book, which has no kernel to bring them to life.
 
-``make notebooks`` has every kernel call `keep`; ``conf.py`` puts what was kept in the place of the widgets. The n-th
-widget that a notebook displays is kept as ``n.html``.
+``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets by the saved figures. The n-th widget
+that a notebook displays is saved as ``n.html``.
 """
 
 import base64
@@ -14,7 +14,7 @@ from typing import Any
 
 FOLDER = Path(__file__).parent / "shown"
 WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageView)\(")
-"""How the text of a widget begins that something is kept of."""
+"""Matches the beginning of a saved widget's text output."""
 
 LONGEST_PAUSE = 1.0  # [s] in a replay
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
@@ -24,8 +24,8 @@ BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick", "S
 
 
 def keep(folder: Path) -> None:
-    """Keep, from now on, what is displayed in this kernel."""
-    from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself needs none of these)
+    """Save all widgets that this kernel displays from now on, in a folder."""
+    from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself does not need these)
 
     from tutorial.notebook.program import Program  # noqa: PLC0415
     from tutorial.notebook.widgets.image_view import ImageView  # noqa: PLC0415
@@ -46,7 +46,7 @@ def keep(folder: Path) -> None:
 
 
 class _Kept:
-    """What is on display, by its number."""
+    """The displayed widgets, by number."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -58,11 +58,11 @@ class _Kept:
         self._image_views: dict[int, Any] = {}
 
     def know(self, program: Any) -> None:
-        """Note whose view it is."""
+        """Remember a program by its view."""
         self._programs[program.view] = program
 
     def show(self, widget: Any) -> None:
-        """Begin to keep something that is displayed; what was kept of the same view is complete."""
+        """Start to save a displayed widget; if the same view was displayed before, finish that recording."""
         self._count += 1
         view, end = widget, ""
         if hasattr(widget, "children"):
@@ -79,18 +79,18 @@ class _Kept:
         self._running[view] = self._count, recorder, end
 
     def show_images(self, view: Any) -> None:
-        """Begin to keep the newest picture of a topic."""
+        """Start to save the newest image on a topic."""
         self._count += 1
         self._image_views[self._count] = view
 
     def stop(self, view: Any) -> None:
-        """Write what a view has shown."""
+        """Write the replay of a view, and stop recording it."""
         if view in self._running:
             number, recorder, end = self._running.pop(view)
             self._write(number, recorder.stop().figure(view.title) + end)
 
     def draw(self) -> None:
-        """Write the pictures that show more than they did."""
+        """Write the pictures that have grown since the last time, and the newest images."""
         for number, picture in self._pictures.items():
             if len(picture.svg) > self._drawn.get(number, 0):
                 self._drawn[number] = len(picture.svg)
@@ -127,7 +127,7 @@ def _after(kind: type, name: str, call: Any) -> None:
 
 
 def png(pixels: bytes, width: int, height: int) -> bytes:
-    """Make a PNG file of a picture in colour: three bytes for each pixel, row by row from the top."""
+    """Encode a colour image as PNG: three bytes per pixel, row by row from the top."""
     row = 3 * width
     lines = b"".join(b"\0" + pixels[i : i + row] for i in range(0, row * height, row))
     head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits each of red, green and blue

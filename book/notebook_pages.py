@@ -1,4 +1,4 @@
-"""The notebooks as pages of the book: as they are committed, with what was kept of their widgets in their places."""
+"""Turn the committed notebooks into pages of the book, with saved figures in place of their widgets."""
 
 import json
 import re
@@ -16,10 +16,10 @@ CONTROLLERS = re.compile(r"\]\(\.\./tutorial/controllers[^)]*\)")
 
 
 def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
-    """Write every notebook into the folder of pages, unless it is there already.
+    """Write every notebook into the folder of pages, unless its page is up to date.
 
     Raises:
-        FileNotFoundError: a widget was displayed of which nothing is kept: ``make notebooks`` makes it.
+        FileNotFoundError: a displayed widget has no saved figure. Run ``make notebooks``.
     """
     pages.mkdir(exist_ok=True)
     for page in pages.glob("*.ipynb"):
@@ -30,7 +30,7 @@ def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
         _put_in_place(notebook, kept / path.stem)
         text = json.dumps(notebook, ensure_ascii=False)
         page = pages / path.name
-        if not page.is_file() or page.read_text(encoding="utf-8") != text:  # Sphinx reads anew what is newer
+        if not page.is_file() or page.read_text(encoding="utf-8") != text:  # Sphinx rebuilds newer pages
             page.write_text(text, encoding="utf-8")
 
 
@@ -53,7 +53,7 @@ def _put_in_place(notebook: dict[str, Any], kept: Path) -> None:
 
 
 def _with_links(text: str) -> str:
-    """Have links lead to the book's pages, and those to a term to its place in the glossary."""
+    """Make links point to the book's pages, and links to terms to their entries in the glossary."""
     text = TERM.sub(lambda link: f"{{term}}`{link[1]} <{TERMS[link[2]]}>`", text)
     return CONTROLLERS.sub("](../controllers.md)", text.replace("](../book/", "](../"))
 

@@ -1,7 +1,7 @@
-"""Small models of how this tutorial's viewer and other programs handle a joint state, written after their sources.
+"""Small models of how this tutorial's viewer and other programs handle a joint state, based on their sources.
 
-A model holds a pose, takes one message after another, and returns whether the program reports that something is wrong.
-The rest of these programs, such as mimic joints, is not modelled.
+A model holds a pose, takes one message after another, and returns whether the program reports a problem. The models
+leave out everything else, such as mimic joints.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ class Viewer:
         ranges: the robot's joints, in the robot's order, and their ranges [rad].
 
     Attributes:
-        pose: where each joint is shown [rad].
+        pose: the displayed position of each joint [rad].
         ended: whether an error has ended the program.
     """
 
@@ -34,7 +34,7 @@ class Viewer:
 
         Args:
             message: the `sensor_msgs/JointState`.
-            publisher: which one sent it, ``"publish"`` or ``"second"``.
+            publisher: the one that sent it, ``"publish"`` or ``"second"``.
         """
         raise NotImplementedError
 
@@ -77,9 +77,9 @@ class ChoreonoidTutorial(Viewer):
 class RobotStatePublisher(Viewer):
     """robot_state_publisher at its default 20 Hz, and tf2, which stores its transforms.
 
-    It drops messages of uneven lengths. It also drops a message unless that is at least an interval newer than the last
-    published one of its joints; the joint that was published longest ago counts. For a repeated name it uses the first
-    position, because it inserts the positions into a map. tf2 refuses NaN and shows the transform of the newest stamp.
+    It drops messages whose lists differ in length. It also drops a message unless it is at least an interval newer than
+    the last publication of one of its joints. For a repeated name it uses the first position, because it inserts the
+    positions into a map. tf2 rejects NaN and shows the transform with the newest stamp.
 
     Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.
     """
@@ -115,7 +115,7 @@ class RobotStatePublisher(Viewer):
 
 
 class JointStatePublisher(Viewer):
-    """joint_state_publisher with a source_list: by name, with the position of the same index, if there are positions.
+    """joint_state_publisher with a source_list: matches by name, and uses the position at the same index, if any.
 
     An index beyond the positions raises an error in the callback, which ends the program.
 
@@ -135,7 +135,7 @@ class JointStatePublisher(Viewer):
 
 
 class Foxglove(Viewer):
-    """The 3D panel of Foxglove Studio: by name and by time of arrival. A joint without a position is at 0.
+    """The 3D panel of Foxglove Studio: matches by name and ignores stamps. A joint without a position is at 0.
 
     Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
     """
@@ -150,9 +150,9 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, whose newest points are the pose: by name, up to the shorter length, without NaN and infinities.
+    """PlotJuggler, with its newest points as the pose: matches by name, and skips NaN, infinities and surplus entries.
 
-    It goes by the time of arrival, which is its default.
+    It uses the time of arrival, which is its default.
 
     Source: PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927,
     `plotjuggler_base/include/PlotJuggler/plotdatabase.h`.

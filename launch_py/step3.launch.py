@@ -1,4 +1,4 @@
-"""Step 3: like step 2, with a viewer in a separate program that shows the simulation's joint states."""
+"""Step 3: as step 2, and a viewer in a program of its own that shows what the simulation publishes."""
 
 from pathlib import Path
 

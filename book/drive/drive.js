@@ -1,18 +1,18 @@
 // The page `drive`: two programs of the course in the visitor's browser, with the visitor's own controllers.
-// make.js, scene.js, viewer.js and the joystick stand before this text in the same script.
+// drive_page.py puts make.js, scene.js, viewer.js and the joystick before this code in the same script.
 
 const HERE = document.currentScript.src, MESHCAT = new URL("main.min.js", HERE);
-const LOOK_EVERY = 500;  // whether the programs are at work [ms]
-const STUCK = 6;  // looks without a sign of that, after which a program is ended
+const LOOK_EVERY = 500;  // [ms] between checks whether the programs are working
+const STUCK = 6;  // checks without a sign of work, after which a program is ended
 const STUCK_TEXT = "The controller has not returned for three seconds, so its program was ended. Is there a loop that never ends? " +
-  "Mend it, and press Run.";
+  "Fix it, and press Run.";
 
-const SEEN = 5;  // digits of a pose that make a difference to the eye
+const SEEN = 5;  // visible digits of a pose
 
 const file = (name) => new URL(`drive/${name}`, HERE);
 
 const read = (name, kind) => fetch(file(name)).then((answer) => {
-  if (!answer.ok) throw new Error(`${name} is not there: ${answer.status}`);
+  if (!answer.ok) throw new Error(`${name} could not be loaded: ${answer.status}`);
   return answer[kind]();
 });
 
@@ -34,12 +34,12 @@ class WorldView {
     new SceneReader(this.picture.viewer, () => {}).read(scene);
   }
 
-  /** Write the line below it, where that need not say why there is no picture. */
+  /** Write the line below the picture, unless it explains why there is no picture. */
   say(text) {
     this.line.textContent = this.blind ?? text;
   }
 
-  /** xpos, xmat: of all MuJoCo bodies, as MuJoCo has them. */
+  /** Move all bodies. xpos, xmat: MuJoCo's arrays. */
   show({xpos, xmat}) {
     if (!this.picture) return;
     const {viewer} = this.picture;
@@ -48,7 +48,7 @@ class WorldView {
       const [x, y, z] = xpos.subarray(3 * body, 3 * body + 3);
       const matrix = [a, d, g, 0, b, e, h, 0, c, f, i, 0, x, y, z, 1];
       const rounded = matrix.map((value) => value.toFixed(SEEN)).join();
-      if (this.shown.get(body) === rounded) continue;  // a page that stands still costs no battery
+      if (this.shown.get(body) === rounded) continue;  // a still scene should cost no battery
       this.shown.set(body, rounded);
       viewer.set_transform(path, matrix);
       viewer.set_dirty();
@@ -64,7 +64,7 @@ class Program {
 
   /** Start the worker; resolves when it is ready. */
   start(onLoaded = () => {}) {
-    this.silentFor = -Infinity;  // it may take its time, until it is ready
+    this.silentFor = -Infinity;  // no limit until it is ready
     this.worker = new Worker(file("worker.js"), {type: "module"});
     this.tell("start", {setup: {...this.setup, source: this.source}, wireName: this.wireName});
     return new Promise((resolve, reject) => {
@@ -85,10 +85,10 @@ class Program {
     this.worker?.postMessage({type, ...more});
   }
 
-  /** Put the visitor's controller to work. */
+  /** Run the visitor's controller. */
   run() {
     if (this.worker) this.tell("run", {source: this.source});
-    else this.start().catch(() => {});  // `end` has said it
+    else this.start().catch(() => {});  // `end` has reported it
   }
 
   say(error) {
@@ -96,7 +96,7 @@ class Program {
     this.onError(this);
   }
 
-  /** End the worker, say why, and return that as an error. */
+  /** End the worker, show the reason, and return it as an error. */
   end(text) {
     this.worker?.terminate();
     this.worker = null;
@@ -104,13 +104,13 @@ class Program {
     return new Error(text);
   }
 
-  /** End it if it has shown nothing for too long. */
+  /** End the program if it has shown no sign of work for too long. */
   look() {
     if (this.worker && ++this.silentFor > STUCK) this.end(STUCK_TEXT);
   }
 }
 
-/** The editor: a text with the numbers of its lines, and the errors. */
+/** The editor: a text with line numbers, and the error below it. */
 class Editor {
   constructor(root, onInput) {
     [this.numbers, this.text, this.error] = ["numbers", "text", "error"].map((name) => root.querySelector(`.drive-${name}`));
@@ -134,7 +134,7 @@ class Editor {
     this.numbers.scrollTop = this.text.scrollTop;
   }
 
-  /** Say what is wrong, and show the line. */
+  /** Show an error, and scroll to its line. */
   say(text) {
     Object.assign(this.error, {textContent: text, hidden: !text});
     const line = Number(/, line (\d+)/.exec(text)?.[1] ?? 0);
@@ -144,7 +144,7 @@ class Editor {
   }
 }
 
-/** Which topics there are, and how many messages a second, as they are heard on the page's wire. */
+/** The topics on the page's wire, with their numbers of messages a second. */
 class Topics {
   constructor(node, wireName) {
     Object.assign(this, {node, counts: new Map(), since: performance.now(), channel: new BroadcastChannel(wireName)});
@@ -173,7 +173,7 @@ class Drive {
     Object.assign(this, {root, button: root.querySelector("button"), progress: root.querySelector(".drive-progress")});
     this.button.addEventListener("click", () => this.start().catch((error) => {
       console.error(error);
-      this.progress.textContent = `This does not work here: ${error.message}. Reload the page to try again.`;
+      this.progress.textContent = `The page could not start: ${error.message}. Reload it to try again.`;
       this.simulation?.end("");
     }));
     root.drive = this;  // for the curious, in the browser's console
@@ -183,10 +183,10 @@ class Drive {
     this.button.disabled = true;
     const loaded = [], say = (what) => {
       loaded.push(what);
-      this.progress.textContent = `Loading… ${loaded.join(", ")}: there.`;
+      this.progress.textContent = `Loading… ${loaded.join(", ")}: done.`;
     };
     this.progress.textContent = "Loading…";
-    const wireName = `${Date.now()} ${Math.random()}`;  // a wire for each page that is open
+    const wireName = `${Date.now()} ${Math.random()}`;  // a separate wire for each open page
     const names = ["simulation", "viewer"], setups = await read("world.json", "json");
     const onError = (program) => { if (program === this.edited) this.editor.say(program.error); };
     this.programs = names.map((name) => new Program(setups[name], wireName, onError));
@@ -200,12 +200,12 @@ class Drive {
     this.topics = new Topics(this.root.querySelector(".drive-topics"), wireName);
     this.isReady = true;
     this.viewer.view.say("Loading…");
-    this.viewer.start().catch(({message}) => this.viewer.view.say(`It does not start: ${message}`));
+    this.viewer.start().catch(({message}) => this.viewer.view.say(`The viewer could not start: ${message}`));
     setInterval(() => document.hidden || this.programs.forEach((program) => program.look()), LOOK_EVERY);
     setInterval(() => this.figures(), 1000);
   }
 
-  /** Put the page's parts in the place of the button. */
+  /** Replace the button by the page's parts. */
   build(scenes) {
     const {root, programs} = this;
     root.replaceChildren(document.getElementById("drive-parts").content);
@@ -236,7 +236,7 @@ class Drive {
     if (document.activeElement !== this.editor.text) this.focusSticks();
   }
 
-  /** Have the keys drive. */
+  /** Let the keys drive. */
   focusSticks() {
     this.sticks.firstElementChild.focus({preventScroll: true});
   }

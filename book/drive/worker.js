@@ -1,22 +1,22 @@
-// One program of the page, in a thread of its own: Python, MuJoCo, and the course's files.
+// One program of the page, in its own thread: Python, MuJoCo, and the course's files.
 
 import loadMujoco from "./mujoco.js";
 import {loadPyodide} from "./pyodide.mjs";
 
-const TURN = 16;  // from one turn of the program to the next [ms]
+const TURN = 16;  // [ms] between turns of the program
 
 const PREPARE = `
 import os, sys
 sys.path.insert(0, "/course")
-sys.dont_write_bytecode = True  # a file that changes twice in a second would be taken for the old one
+sys.dont_write_bytecode = True  # Python would use a stale .pyc file if a file changes twice within a second
 os.register_at_fork = lambda **_: None  # nothing is forked in a browser
 `;
 
-let name, channel, program;  // the last: what of Python's is called, looked up once
+let name, channel, program;  // program: the Python functions that are called, looked up once
 
 const say = (what, value) => postMessage([what, value]);
 
-/** What the program is given to reach the others. */
+/** The functions that send messages to the page's other programs. */
 const wire = {
   send: (topic, type, guid, data) => channel.postMessage({from: name, topic, type, guid, data: data.toJs()}),
   announce: (described) => channel.postMessage({from: name, described: described.toJs()}),
@@ -44,7 +44,7 @@ const commands = {
       else if (hello) tell();
     };
     channel.postMessage({from: name, hello: true});
-    say("ready");  // first: the page ends a program that shows nothing only once it is ready
+    say("ready");  // before `run`: only now does the page start to watch for a stuck program
     commands.run(setup);
     turn();
   },
@@ -53,7 +53,7 @@ const commands = {
   sticks: ({axes, buttons}) => program.sticks(axes, buttons),
 };
 
-let last = Promise.resolve();  // one command after the other: what comes while the program starts, waits
+let last = Promise.resolve();  // runs one command after another: commands wait while the program starts
 
 onmessage = ({data}) => {
   last = last.then(() => commands[data.type](data)).catch(({message}) => say("broken", message));

@@ -1,6 +1,6 @@
-"""Stands where msgspec is, of which the pocket ROS 2 asks for one thing, for Cyclone DDS's sake."""
+"""Replace msgspec: the pocket ROS 2 uses one function of it, for Cyclone DDS."""
 
 
 def defstruct(_name: str, _fields: list[str]) -> type:
-    """Return what nobody calls."""
+    """Return a placeholder that is never called."""
     return object

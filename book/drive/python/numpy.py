@@ -1,4 +1,4 @@
-"""Stands where numpy is, which is not in the page. Messages need it for fields with a fixed number of values alone."""
+"""Replace numpy, which the page does not have. Messages only need it for fields with a fixed number of values."""
 
 from typing import Any, NoReturn
 
@@ -6,11 +6,11 @@ WHY = "numpy is not in this page. On your own computer the course has it: make l
 
 
 class ndarray:  # noqa: N801  (numpy's name)
-    """What nothing in the page is."""
+    """An array. No object in the page is one."""
 
 
 def frombuffer(*_: object) -> NoReturn:
-    """Say that it is not there."""
+    """Report that numpy is missing."""
     raise ImportError(WHY)
 
 

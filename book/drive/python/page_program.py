@@ -1,4 +1,4 @@
-"""One program of the page: a node, the tank, and its controllers, of which the visitor edits one."""
+"""One program of the page: a node, the tank, and its controllers. The visitor edits one of them."""
 
 import asyncio
 import time
@@ -21,18 +21,18 @@ from tutorial.program.controller_files import find_controller, load_controllers
 from tutorial.ros.joy import joy_message
 
 TIME_STEP = 0.001  # [s]
-LONGEST_DEBT = 0.25  # [s] of real time that is caught up, as in the course's simulation
-LONGEST_TURN = 0.03  # [s] of stepping, after which the page's messages have a turn
+LONGEST_DEBT = 0.25  # [s] of real time to catch up at most, as in the course's simulation
+LONGEST_TURN = 0.03  # [s] of stepping before the page's messages get a turn
 
 
 class Program:
-    """A program. Everything in it runs on one thread: a browser's worker has no other.
+    """A program. Everything in it runs on one thread, because a browser's worker has only one.
 
     Args:
         mujoco: the browser's MuJoCo.
-        setup: what ``book/drive_page.py`` says of the program.
-        wire: what sends bytes and announcements to the page's other programs.
-        say: called with a line that matching a message's joints has led to.
+        setup: the program's setup from ``book/drive_page.py``.
+        wire: the functions that send bytes and announcements to the page's other programs.
+        say: called with the report of each matched message, a line of text.
     """
 
     def __init__(self, mujoco: Any, setup: Any, wire: Any, say: Any) -> None:
@@ -57,29 +57,29 @@ class Program:
             self._start(name, find_controller(name))
 
     def run(self, source: str) -> str:
-        """Put the visitor's controller in the place of the one before; return what is wrong, "" if nothing is."""
+        """Replace the previous controller by the visitor's; return the error message, or "" if there is none."""
         self._file.write_text(source)
         return self._attempt(self._replace)
 
     def reset(self) -> str:
-        """Begin at time 0, in the initial pose, with controllers initialized anew; return what is wrong."""
+        """Restart at time 0 in the initial pose, and initialize the controllers again; return the error message."""
         return self._attempt(self._restart)
 
     def turn(self, now: float) -> Any:
-        """Do what is due: callbacks, and steps up to a time of the page [s].
+        """Run the callbacks and steps that are due at a time of the page [s].
 
         Returns:
-            What is wrong, how many steps were simulated, and each joint's name, position [rad] and effort [N.m].
+            The error message, the number of simulated steps, and each joint's name, position [rad] and effort [N.m].
         """
         error = "" if self._has_failed else self._attempt(self._work, now)
         return to_js([error, self.step, [[each.name, each.position, each.effort] for each in self._bodies[0].joints]])
 
     def sticks(self, axes: Any, buttons: Any) -> None:
-        """Publish what the joystick says."""
+        """Publish the joystick's axes and buttons."""
         self._joystick.publish(joy_message(self._node, axes.to_py(), buttons.to_py()))
 
     def advance(self) -> None:
-        """Ask every controller, and let MuJoCo step once."""
+        """Call every controller's `control`, and step MuJoCo once."""
         for name, (controller, io, _) in self._controllers.items():
             io.step, self._at_work = self.step, name
             controller.control()
@@ -88,11 +88,11 @@ class Program:
         self.step += 1
 
     def _attempt(self, do: Callable[..., None], *arguments: object) -> str:
-        """Do something with the controllers; return what is wrong, as the course says it. Then all stands still."""
+        """Call a function that runs controllers; return the error message in the course's words, and stop after it."""
         self._has_failed, self._at_work = False, ""
         try:
             do(*arguments)
-        except BaseException as error:  # noqa: BLE001 - whatever it is, the page says it
+        except BaseException as error:  # noqa: BLE001 - the page shows every error
             self._has_failed = True
             told = tell(error, str(self._file))
             if self._at_work:
@@ -152,7 +152,7 @@ class Program:
             self._step(now)
 
     def _step(self, now: float) -> None:
-        """Step until simulated time has come as far as a time of the page [s], or for a while."""
+        """Step until simulated time has caught up with a time of the page [s], or `LONGEST_TURN` is over."""
         self._started_at = max(self._started_at, now - self.step * TIME_STEP - LONGEST_DEBT)
         due = int((now - self._started_at) / TIME_STEP) - self.step
         self.state.look_up()

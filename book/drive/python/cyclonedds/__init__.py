@@ -1,8 +1,8 @@
-"""Stands where Cyclone DDS is for the pocket ROS 2: it carries messages between the programs of one page.
+"""Replace Cyclone DDS in the browser: carry messages between the programs of one page.
 
-It has what the pocket ROS 2 asks of the package of this name, and no more; ``qos`` and ``idl``, which are Python, are
-Cyclone DDS's own. What is published reaches the readers of the same program at once, as CDR bytes. `Wire` hands it on
-to the page's other programs. Nothing leaves the page.
+This package has only those parts of Cyclone DDS that the pocket ROS 2 uses; ``qos`` and ``idl`` are Cyclone DDS's own
+Python modules. A published message reaches the readers in the same program at once, as CDR bytes, and `Wire` passes it
+on to the page's other programs. No message leaves the page.
 """
 
 import copyreg
@@ -19,28 +19,28 @@ from typing import Any
 from cyclonedds.qos import Policy, Qos
 
 for module in ("core", "domain", "pub", "sub", "topic"):
-    sys.modules[f"{__name__}.{module}"] = sys.modules[__name__]  # all of these are this one
+    sys.modules[f"{__name__}.{module}"] = sys.modules[__name__]  # this module replaces all of these
 
 FITS, DURABILITY, DEADLINE, LIVELINESS, RELIABILITY, ANOTHER_TYPE = 0, 2, 4, 8, 11, 24
-"""DDS's numbers of what keeps two endpoints apart; the first is of nothing."""
+"""DDS's numbers for the reason that two endpoints don't match; `FITS` means that they do."""
 
 copyreg.pickle(Qos, lambda policies: (Qos.fromdict, (policies.asdict(),)))
 
 changed = threading.Condition(threading.RLock())
-"""Held where endpoints or messages come and go, and told."""
+"""Held while endpoints or messages are added or removed, and notified afterwards."""
 
 
 class DDSException(Exception):  # noqa: N818  (Cyclone DDS's name)
-    """What Cyclone DDS raises, and nothing here does."""
+    """Cyclone DDS's error. Nothing in this package raises it."""
 
 
 class Entity:
-    """Base of what belongs to a participant, or to a reader.
+    """Base class of everything that belongs to a participant or a reader.
 
-    In what another program is told, a namespace with the attributes named in `TOLD` stands for it.
+    Other programs receive it as a namespace with the attributes listed in `TOLD`.
 
     Attributes:
-        is_ready: whether an executor that waits for it is to wake.
+        is_ready: whether to wake an executor that waits for it.
     """
 
     TOLD: tuple[str, ...] = ()
@@ -51,20 +51,20 @@ class Entity:
         self.owner = owner
 
     def __reduce__(self) -> Any:
-        """Be pickled as what is told of it."""
+        """Pickle it as a namespace for the other programs."""
         return SimpleNamespace, (), {name: getattr(self, name) for name in self.TOLD}
 
     def __del__(self) -> None:
-        """Delete it, which the pocket ROS 2 calls by hand."""
+        """Delete it. The pocket ROS 2 calls this explicitly."""
 
 
 class Wire:
-    """Who publishes and subscribes in a domain: in this program, and in the page's other programs.
+    """The publishers and subscriptions in a domain: in this program, and in the page's other programs.
 
     Attributes:
-        participants: of this program.
-        others: by program, what it has told of its participants.
-        send: called with topic, type, the writer's identifier and the bytes that the other programs are to receive.
+        participants: this program's participants.
+        others: the participants that each of the other programs has announced.
+        send: called with the topic, its type, the writer's identifier and the bytes, to send them to the other programs.
         announce: called with bytes for the other programs' `hear`.
     """
 
@@ -83,17 +83,17 @@ class Wire:
         return [each for participant in participants for each in getattr(participant, what)]
 
     def hear(self, program: str, described: Any) -> None:
-        """Take note of what another program's `tell` has announced."""
+        """Store an announcement that a different program made with `tell`."""
         self.others[program] = pickle.loads(described)
         self._compare()
 
     def tell(self) -> None:
-        """Announce this program's endpoints and nodes, which have changed."""
+        """Announce this program's endpoints and nodes after a change."""
         self._compare()
         self.announce(pickle.dumps(self.participants))
 
     def deliver(self, guid: str, data: Any) -> None:
-        """Give this program's readers that a writer fits what it has published, in this program or another."""
+        """Deliver a writer's message to this program's matching readers; the writer may be in a different program."""
         with changed:
             for each in self.own_endpoints():
                 if each.partners.get(guid) == FITS:
@@ -109,11 +109,11 @@ class Wire:
 
 
 wires: dict[int, Wire] = defaultdict(Wire)
-"""By the number of the domain."""
+"""The wire of each domain, by its number."""
 
 
 class Participant(Entity):
-    """A domain, and a participant in one. It has endpoints, and nodes as `Graph` describes them."""
+    """A domain, and a participant in it, with its endpoints, and its nodes as `Graph` describes them."""
 
     TOLD = ("endpoints", "nodes")
 
@@ -132,17 +132,17 @@ Domain = DomainParticipant = Participant
 
 
 class Topic(Entity):
-    """A topic's name, and the type of its payloads."""
+    """A topic: its name and the type of its payloads."""
 
     def __init__(self, _participant: Participant, name: str, data_type: Any) -> None:
         self.name, self.data_type = name, data_type
 
 
 class Endpoint(Entity):
-    """What a writer and a reader have in common.
+    """Base class of writers and readers.
 
     Attributes:
-        partners: what keeps it and each endpoint at the other end of its topic apart, by that one's identifier.
+        partners: for each endpoint at the other end of its topic, by identifier, why the two don't match, or `FITS`.
     """
 
     TOLD = ("guid", "is_writer", "topic_name", "type_name", "qos")
@@ -164,7 +164,7 @@ class Endpoint(Entity):
             self.owner.wire.tell()
 
     def misfit(self, other: Any) -> int:
-        """Return what keeps it and a partner apart, as DDS numbers it."""
+        """Return DDS's number for the reason that it does not match a partner, or `FITS`."""
         writer, reader = (self, other) if self.is_writer else (other, self)
         if other.type_name != self.type_name:
             return ANOTHER_TYPE
@@ -172,7 +172,7 @@ class Endpoint(Entity):
         return next((policy for (policy, offered), (_, asked) in offers if offered < asked), FITS)
 
     def compare(self, everyone: list[Any]) -> None:
-        """Find its partners among all endpoints, and note new ones that do not fit."""
+        """Find its partners among all endpoints, and remember new ones that do not match."""
         known, self.partners = self.partners, {}
         for each in everyone:
             if each.topic_name == self.topic_name and each.is_writer != self.is_writer:
@@ -181,15 +181,15 @@ class Endpoint(Entity):
                     self._last_misfit, self.is_ready = misfit, True
 
     def set_status_mask(self, _mask: int) -> None:
-        """Watch for partners that do not fit, which it does anyway."""
+        """Do nothing: it always watches for partners that do not match."""
 
     def take_status(self, _mask: int) -> bool:
-        """Say whether one has come since the last time."""
+        """Return whether a partner that does not match has appeared since the last call."""
         unsaid, self.is_ready = self.is_ready, False
         return unsaid
 
     def status(self) -> Any:
-        """Count the partners that fit, and tell of the last one that does not."""
+        """Return the number of matching partners, and the policy of the last one that does not match."""
         return SimpleNamespace(current_count=[*self.partners.values()].count(FITS), last_policy_id=self._last_misfit)
 
     get_offered_incompatible_qos_status = get_requested_incompatible_qos_status = status
@@ -206,13 +206,13 @@ class DataWriter(Endpoint):
         super().__init__(participant, topic, policies)
 
     def write(self, payload: Any) -> None:
-        """Give it to the readers that fit."""
+        """Send a payload to the matching readers."""
         self.kept.append(payload.data)
         self.owner.wire.deliver(self.guid.hex, payload.data)
         self.owner.wire.send(self.topic_name, self.type_name, self.guid.hex, payload.data)
 
     def wait_for_acks(self, _timeout: int) -> bool:
-        """Say that all was received: it is received at once."""
+        """Return True: readers receive every payload at once."""
         return True
 
 
@@ -227,13 +227,13 @@ class DataReader(Endpoint):
                 self.put(data)
 
     def put(self, data: bytes) -> None:
-        """Keep what was published."""
+        """Store a published message."""
         payload = self._payload.deserialize(bytes(data))
         payload.sample_info = SimpleNamespace(valid_data=True, source_timestamp=time.time_ns())
         self.samples.append(payload)
 
     def take(self, count: int) -> list[Any]:
-        """Return so many payloads, if there are."""
+        """Remove and return up to `count` payloads."""
         with changed:
             return [self.samples.popleft() for _ in range(min(count, len(self.samples)))]
 
@@ -245,7 +245,7 @@ class ReadCondition(Entity):
 
 
 class GuardCondition(Entity):
-    """Is ready when it was set by hand."""
+    """Is ready once it has been set explicitly."""
 
     def set(self, value: bool) -> None:
         """Set it."""
@@ -254,7 +254,7 @@ class GuardCondition(Entity):
             changed.notify_all()
 
     def take(self) -> None:
-        """Set it back."""
+        """Reset it."""
         self.is_ready = False
 
 
@@ -268,7 +268,7 @@ class WaitSet(Entity):
         self._attached[key] = entity
 
     def _waitset_wait(self, _ref: object, keys: list[int | None], _size: int, timeout_ns: int) -> int:
-        """Wait [ns], write the keys of those that are ready, and return how many they are."""
+        """Wait up to a timeout [ns], write the keys of the ready entities, and return their number."""
         with changed:
             ready = changed.wait_for(self._ready, max(0, timeout_ns) / 1e9)
         keys[: len(ready)] = ready
@@ -283,17 +283,17 @@ InstanceState = SampleState = ViewState = SimpleNamespace(Any=0)
 
 
 def _depth(policies: Qos) -> int | None:
-    """Return how many messages are kept; None for all."""
+    """Return how many messages to keep; None for all."""
     return getattr(policies[Policy.History], "depth", None)
 
 
 def _is_kept(policies: Qos) -> bool:
-    """Whether messages are kept for those who come late."""
+    """Return whether messages are kept for late subscribers."""
     return bool(policies[Policy.Durability] == Policy.Durability.TransientLocal)
 
 
 def _strength(policies: Qos) -> list[tuple[int, float]]:
-    """Return how much each policy offers, or asks for, which has to be no more."""
+    """Return the strength that each policy offers or asks for; an offer must be at least as strong as the request."""
     liveliness = policies[Policy.Liveliness]
     return [
         (DURABILITY, _is_kept(policies)),

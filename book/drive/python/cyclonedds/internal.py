@@ -1,4 +1,4 @@
-"""What Cyclone DDS's own ``qos`` and ``idl`` take from its C part, and nobody calls in a page."""
+"""Stubs for the C functions that Cyclone DDS's ``qos`` and ``idl`` import. The page never calls them."""
 
 from ctypes import c_void_p
 from types import SimpleNamespace
@@ -6,19 +6,19 @@ from typing import Any
 
 
 class DDS:
-    """Base of what calls into C."""
+    """Base class of Cyclone DDS's classes that call C."""
 
     _dll_handle = SimpleNamespace(dds_set_log_mask=lambda _mask: None)
 
 
 class SampleInfo:
-    """What C would make of each sample."""
+    """The information that C would add to each sample."""
 
     __match_args__ = ()
 
 
 class Types:
-    """C's types, of which one is as good as another where nothing is called; an array of `attach` is a list of keys."""
+    """C's types. Any type will do, because nothing calls C; an array of `attach` is a list of keys."""
 
     attach = property(lambda self: self)
 
@@ -33,5 +33,5 @@ dds_c_t = Types()
 
 
 def static_c_call(_name: str) -> Any:
-    """Leave a method as it is."""
+    """Return a decorator that leaves a method unchanged."""
     return lambda method: method

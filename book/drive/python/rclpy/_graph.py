@@ -1,4 +1,4 @@
-"""Who is there in the page's programs, as `cyclonedds.Wire` knows: in the place of the pocket ROS 2's module."""
+"""The node graph of the page's programs, as `cyclonedds.Wire` knows it. Replaces the pocket ROS 2's module."""
 
 from collections.abc import Iterable
 from types import SimpleNamespace
@@ -24,12 +24,12 @@ class Graph:
         return node
 
     def remove_node(self, node: Node) -> None:
-        """Announce that a node is gone."""
+        """Announce that a node was removed."""
         self.participant.nodes = [other for other in self.participant.nodes if other is not node]
         self.participant.wire.tell()
 
     def set_endpoints(self, node: Node, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
-        """Announce which endpoints are a node's."""
+        """Announce the endpoints of a node."""
         node.guids = [*writers, *readers]
         self.participant.wire.tell()
 
@@ -38,18 +38,18 @@ class Graph:
         return self.participant.wire.everywhere("nodes")
 
     def owners(self) -> dict[bytes, Node]:
-        """Return the nodes by the identifiers of their endpoints."""
+        """Return the node of each endpoint, by the endpoint's identifier."""
         return {guid: node for node in self.nodes() for guid in node.guids}
 
     def is_complete(self) -> bool:
-        """Whether all is known, as it always is."""
+        """Return True: the graph is always complete."""
         return True
 
     def listen(self) -> None:
-        """Take what others have announced, which `Wire.hear` does."""
+        """Do nothing: `Wire.hear` stores the announcements."""
 
     def endpoints(self, kind: bool, wire_topic: str | None = None, *, full: bool = False) -> list[DiscoveredEndpoint]:  # noqa: ARG002
-        """Return the writers or readers on a topic, or on all."""
+        """Return the writers or readers on a topic, or on all topics."""
         return [
             SimpleNamespace(guid=each.guid.bytes, topic_name=each.topic_name, type_name=each.type_name, qos=each.qos)
             for each in self.participant.wire.everywhere("endpoints")

@@ -1,4 +1,4 @@
-"""A body of the page: the joints and actuators that the course's controllers ask for, over MuJoCo for a browser."""
+"""A body on the page: the joints and actuators that the course's controllers use, based on MuJoCo for browsers."""
 
 from array import array
 from collections.abc import Callable, Mapping
@@ -10,7 +10,7 @@ from tutorial.errors import TutorialError, did_you_mean
 
 
 class State:
-    """A copy of MuJoCo's state, which Python reads and writes much faster than the original in the browser.
+    """A copy of MuJoCo's state. Python reads and writes it much faster than the original in the browser.
 
     Args:
         mujoco: the browser's MuJoCo.
@@ -25,20 +25,20 @@ class State:
         self.reset()
 
     def look_up(self) -> None:
-        """Look up where MuJoCo has its arrays: they move when it takes more memory."""
+        """Look up MuJoCo's arrays again: they move when it allocates more memory."""
         data = self.data
         self._qpos, self._ctrl = data.qpos, data.ctrl
         theirs = self._qpos, data.qvel, data.qfrc_actuator, self._ctrl
         self._views = tuple(zip(theirs, (self.qpos, self.qvel, self.effort, self.ctrl)))
 
     def step(self) -> None:
-        """Let MuJoCo step."""
+        """Step MuJoCo once."""
         self._ctrl.assign(self.ctrl)
         self._mujoco.mj_step(self.model, self.data)
         self._copy()
 
     def kinematics(self) -> None:
-        """Compute where the links are."""
+        """Compute the poses of the links."""
         self._qpos.assign(self.qpos)
         self._mujoco.mj_kinematics(self.model, self.data)
 
@@ -57,7 +57,7 @@ class State:
 class Joint:
     """A hinge joint: its name, its range [rad], position [rad], velocity [rad/s] and effort [N.m].
 
-    The effort is what the motor applied in the last step. Setting it commands the motor's next one.
+    The effort is the torque that the motor applied in the last step. Setting it commands the torque of the next step.
     """
 
     def __init__(self, state: State, name: str, limits: list[float] | None, qpos: int, dof: int, ctrl: int) -> None:
@@ -98,17 +98,17 @@ class Body:
         return self._find("actuator", self._actuators, name)
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
-        """Move joints [rad]; the others stay where they are."""
+        """Move the given joints [rad]; the remaining ones keep their positions."""
         for name, position in positions.items():
             self.joint(name).position = position
 
     def notify_change(self, report: Any = None) -> None:
-        """Tell whoever displays the body that it has changed, and what joint matching made of the message."""
+        """Notify the observers that the body has changed, with the report of the matched message."""
         for observer in self._observers:
             observer(report)
 
     def on_change(self, observer: Callable[[Any], object]) -> None:
-        """Have ``observer(report)`` called whenever the body has changed."""
+        """Call ``observer(report)`` whenever the body has changed."""
         self._observers.append(observer)
 
     def _find(self, kind: str, known: dict[str, Any], name: str) -> Any:
