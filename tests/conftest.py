@@ -1,4 +1,4 @@
-"""What all tests share. `tutorial` comes first: it is what makes rclpy importable."""
+"""Shared fixtures and checks. Import `tutorial` first, because it makes rclpy importable."""
 
 import signal
 import sys
@@ -10,17 +10,17 @@ from programs import Program
 import tutorial  # noqa: F401
 
 LANES = ("process", "browser", "build", "ros2", "nightly")
-"""The marks of tests that may start processes; pyproject.toml says what each means, the Makefile which command runs
-which."""
+"""The marks of tests that may start processes. pyproject.toml explains each mark, and the Makefile shows which command
+runs it."""
 
 STARTS = {"os.fork", "os.forkpty", "os.posix_spawn", "os.system", "subprocess.Popen"}
-"""What Python's audit events call the start of a process."""
+"""Python's audit events for the start of a process."""
 
-_alone: pytest.Item | None = None  # the test that runs, where it may start nothing
+_alone: pytest.Item | None = None  # the running test, if it must not start processes
 
 
 def _keep_to_the_lane(event: str, arguments: tuple[object, ...]) -> None:
-    """Fail a test that starts a process and has no mark that says so."""
+    """Fail a test that starts a process without the mark for it."""
     if event in STARTS and _alone is not None:
         pytest.fail(
             f"{_alone.name} starts a process: {event} {arguments[:2]!r:.200}. Prove it within one process, "
@@ -33,8 +33,8 @@ sys.addaudithook(_keep_to_the_lane)
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Around each test, but not around the cells of a notebook, which run in a kernel."""
-    global _alone  # noqa: PLW0603 - an audit hook stays for good
+    """Watch each test, but not the cells of a notebook, which run in a kernel."""
+    global _alone  # noqa: PLW0603 - an audit hook cannot be removed
     marked = any(item.get_closest_marker(lane) for lane in LANES)
     _alone = None if marked or item.path.suffix == ".ipynb" else item
     try:
@@ -44,9 +44,9 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 
 
 def pytest_configure() -> None:
-    """Have Ctrl-C end what the tests start, however they themselves were started.
+    """Let Ctrl-C end the processes that the tests start, even if pytest itself runs in the background.
 
-    A background job of a shell ignores it, and so would every process that the tests start: this is handed down.
+    A shell's background job ignores Ctrl-C, and all processes that it starts inherit this.
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -54,9 +54,9 @@ def pytest_configure() -> None:
 
 @pytest.fixture
 def program(domain: int) -> Iterator[Callable[..., Program]]:
-    """Start ``tank`` with some arguments, in a domain of its own; what is left of it in the end is killed.
+    """Start ``tank`` with some arguments, in a separate domain, and kill the rest of it at the end.
 
-    What all of them said is shown where the test has failed.
+    Print all output, which pytest shows if the test fails.
     """
     started: list[Program] = []
 

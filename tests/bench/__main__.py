@@ -1,6 +1,6 @@
-"""What things cost, as ratios made in one run: ours and the reference in turns, so that a noisy machine disturbs both.
+"""Measure costs as ratios: our code and a reference run alternately, so a noisy machine disturbs both equally.
 
-``make bench`` runs it. It is not part of the tests: a ratio is looked at, a test either holds or not.
+``make bench`` runs it. It is not a test: people judge a ratio, but a test has to pass or fail.
 """
 
 import os
@@ -23,27 +23,27 @@ from tutorial.ros.domains import reserved_domain
 
 ROUNDS = 5
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
-"""A command that runs another one with a real ROS 2, where there is one."""
+"""A command that runs another command with a real ROS 2, if there is one."""
 
 
 Pair = tuple[Callable[[], float], Callable[[], float]]
 
 
 def measure(pair: Pair) -> list[float]:
-    """Return the medians of ours and of the reference, taken in turns."""
+    """Return the medians of ours and the reference, measured alternately."""
     ours, reference = pair
     taken = [(ours(), reference()) for _ in range(ROUNDS)]
     return [statistics.median(each) for each in zip(*taken)]
 
 
 def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequence[str] | None = None) -> float:
-    """Run ``program publish`` and ``program subscribe``, and return what the latter prints [s].
+    """Run ``program publish`` and ``program subscribe``, and return the number that the subscriber prints [s].
 
     Args:
         program: the file's name.
-        how: further arguments of both.
-        by: a command that runs others, such as `REAL`.
-        published_by: the same for the publisher; None for that of both.
+        how: further arguments for both.
+        by: a command that runs both, such as `REAL`.
+        published_by: a different command for the publisher; None for the same.
     """
     command = [sys.executable, str(Path(__file__).with_name(program))]
     publishing = [*(by if published_by is None else published_by), *command, "publish", *how]
@@ -59,7 +59,7 @@ def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequ
 
 
 def traffic(pace: str, real: bool) -> Pair:
-    """Our node, and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
+    """Return our node and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
     if real:
         reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
     else:
@@ -68,7 +68,7 @@ def traffic(pace: str, real: bool) -> Pair:
 
 
 def rows() -> Iterator[tuple[str, Pair, str, str]]:
-    """What is measured: its name, ours and the reference in seconds, what the ratio should be, and the unit."""
+    """Yield each row: its name, ours and the reference in seconds, the expected ratio, and the unit."""
     yield "simulation with controllers and publisher / bare mj_step, a step", simulation_loop(), "1.43", "us"
     yield "publish to callback / plain Cyclone DDS Python", traffic("beat", False), "1.2", "us"
     yield "from message to message, unthrottled / plain Cyclone DDS Python", traffic("flood", False), "2.2", "us"

@@ -1,4 +1,4 @@
-"""A frame of the 3D view in a cell, in a kernel of its own."""
+"""Measure a frame of the 3D view in a cell, in a separate kernel."""
 
 import atexit
 import threading
@@ -10,7 +10,7 @@ from jupyter_client.manager import start_new_kernel
 
 
 def cell_frame() -> tuple[Timed, Timed]:
-    """A frame in which all of the tank moves, in a kernel of its own, sent to its page; and meshcat's own calls."""
+    """Measure a frame that moves all of the tank, sent to a page from a kernel; and meshcat's own calls."""
     manager, client = start_new_kernel()
     atexit.register(manager.shutdown_kernel, now=True)
 
@@ -28,7 +28,7 @@ def cell_frame() -> tuple[Timed, Timed]:
 
 
 def _answering() -> str:
-    """The address, on this machine only, of somebody who answers meshcat in its server's place."""
+    """Return the local address of a socket that answers meshcat in place of its server."""
     socket = zmq.Context.instance().socket(zmq.REP)
     port = socket.bind_to_random_port("tcp://127.0.0.1")
 

@@ -1,4 +1,4 @@
-"""What one step, one match, one import and one frame cost. Each function returns ours and the reference, in seconds."""
+"""Measure one step, one match, one import and one frame. Each function returns ours and the reference, in seconds."""
 
 import itertools
 import subprocess
@@ -34,7 +34,7 @@ Timed = Callable[[], float]
 
 
 def timed(job: Callable[[], object], times: int) -> Timed:
-    """Measure a job, and return how long one time takes [s]."""
+    """Return a function that measures the time of one run of a job [s]."""
 
     def run() -> float:
         began = time.perf_counter()
@@ -46,7 +46,7 @@ def timed(job: Callable[[], object], times: int) -> Timed:
 
 
 def simulation_loop() -> tuple[Timed, Timed]:
-    """A step of the tank in its laboratory, with both controllers and their topics; and `mj_step` alone."""
+    """Measure a step of the tank in its laboratory, with both controllers and their topics; and `mj_step` alone."""
     placements = [item.placement for item in Project.load(find_project("step2")).bodies]
     node = NodeThread("bench").node
     controllers = []
@@ -63,7 +63,7 @@ def simulation_loop() -> tuple[Timed, Timed]:
 
 
 def joint_matching(count: int) -> tuple[Timed, Timed]:
-    """Move a body's joints by one message, by name; and as the original does, by index."""
+    """Measure moving a body's joints by one message, by name; and by index, as the original does."""
     body = chain(count)
     message = JointState(name=list(body.joint_names), position=[0.001 * i for i in range(count)])
     matcher = JointMatcher(body.joint_ranges)
@@ -82,7 +82,7 @@ def joint_matching(count: int) -> tuple[Timed, Timed]:
 
 
 def chain(count: int) -> Body:
-    """A robot with so many joints."""
+    """Return a robot with `count` joints."""
     link = "<body><joint name='JOINT_{:02d}' range='-90 90'/><geom size='.1'/>"
     links = "".join(link.format(i) for i in range(count)) + "</body>" * count
     with NamedTemporaryFile("w", suffix=".xml") as file:
@@ -92,7 +92,7 @@ def chain(count: int) -> Body:
 
 
 def import_time() -> tuple[Timed, Timed]:
-    """``import tutorial``, in a fresh Python, less the time that Python takes to start; and that time."""
+    """Measure ``import tutorial`` in a fresh Python, without the time that Python takes to start; and that time."""
 
     def start(code: str) -> float:
         began = time.perf_counter()
@@ -103,10 +103,10 @@ def import_time() -> tuple[Timed, Timed]:
 
 
 def frame(address: str) -> tuple[Timed, Timed]:
-    """A frame in which the tank and all its wheels move; and the same with meshcat's own calls.
+    """Measure a frame in which the tank and all its wheels move; and the same with meshcat's own calls.
 
     Args:
-        address: where meshcat sends its calls; ours go to the page of a cell.
+        address: where meshcat sends its calls; ours go to a cell's page.
     """
     view = View(scene := Scene())
     body = Body.displayed(TANK)

@@ -1,7 +1,7 @@
-"""What a fleet costs its viewer: the time of the processor for one tank's messages, at 50 Hz, of many tanks and of few.
+"""Measure what a fleet costs its viewer: the processor time for one tank's messages at 50 Hz, with few and many tanks.
 
-Two processes: ``fleet.py publish COUNT`` publishes for so many tanks, one after the other and evenly; ``fleet.py
-subscribe COUNT`` is the viewer, with its view and without a browser.
+Two processes: ``fleet.py publish COUNT`` publishes for `COUNT` tanks, evenly one after another; ``fleet.py
+subscribe COUNT`` is the viewer, with its view but without a browser.
 """
 
 import asyncio
@@ -23,12 +23,12 @@ from tutorial.system.paths import find_project
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 
-RATE = 50  # [Hz], of each tank
+RATE = 50  # [Hz], for each tank
 WATCHED = 4.0  # [s]
 
 
 def publish(tanks: int) -> None:
-    """Let the turrets swing until this process is ended."""
+    """Let the turrets swing until this process ends."""
     rclpy.init(args=[])
     node = rclpy.create_node("fleet")
     publishers = [node.create_publisher(JointState, f"/Tank_{i + 1}/joint_state", 1) for i in range(tanks)]
@@ -43,7 +43,7 @@ def publish(tanks: int) -> None:
 
 
 async def show(tanks: int) -> float:
-    """Return what one tank's messages cost in a second, once all tanks have been heard [s]."""
+    """Return the processor time of one tank's messages per second, once all tanks have been heard [s]."""
     project = Project.load(find_project("fleet"))
     view = View(scene := Scene())
     scene.attach(len)
@@ -60,7 +60,7 @@ async def show(tanks: int) -> float:
 
 
 def applied(host: Host) -> int:
-    """Return how many messages have been shown."""
+    """Return the number of applied messages."""
     return sum(topic.get("applied", 0) for topic in host.record()["topics"].values())
 
 

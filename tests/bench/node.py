@@ -1,4 +1,4 @@
-"""Both ends with rclpy: the pocket one, or a real one."""
+"""Provide both ends with rclpy: the pocket one, or a real one."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,13 +16,13 @@ made = rclpy.create_node("bench")
 
 
 def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[], int]]:
-    """Publish: a message, what serialises it, what sends it, and how many listen."""
+    """Return a message and the functions that serialise it, send it, and count the listeners."""
     publisher = made.create_publisher(JointState, "bench", 10)
     return JointState(), serialize_message, publisher.publish, publisher.get_subscription_count
 
 
 def subscriber(add: Callable[[Any], None]) -> Callable[[], object]:
-    """Receive, on the thread that spins; return what waits for more."""
+    """Call `add` with each message on the spinning thread; return the function that waits for more."""
     made.create_subscription(JointState, "bench", add, 10)
     executor = SingleThreadedExecutor()
     executor.add_node(made)

@@ -1,10 +1,10 @@
-"""Both ends with Cyclone DDS Python alone, nothing of ROS 2, and with what a `JointState` is on the wire."""
+"""Provide both ends with plain Cyclone DDS Python and the wire type of `JointState`, without ROS 2."""
 
 import os
 from collections.abc import Callable
 from typing import Any
 
-import tutorial  # noqa: F401 - promises an rclpy, of which only Cyclone DDS's settings are taken
+import tutorial  # noqa: F401 - only for the settings of Cyclone DDS
 
 # isort: split
 from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
@@ -18,7 +18,7 @@ from rclpy._domain import configuration
 
 
 def struct(name: str, /, **fields: Any) -> Any:
-    """A wire type."""
+    """Return a wire type."""
     package, _, short = name.split("/")
     made = make_idl_struct(f"{short}_", f"{package}::msg::dds_::{short}_", fields)
     made.__idl__.populate()
@@ -38,11 +38,11 @@ ends = (
     Topic(participant, "plain", JOINT_STATE),
     Qos(Policy.Reliability.Reliable(2**63 - 1), Policy.History.KeepLast(10)),
 )
-"""What a writer and a reader are made of, with the quality of service of a node's depth of 10."""
+"""The arguments of a writer and a reader, with the quality of service of a node with depth 10."""
 
 
 def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[], int]]:
-    """Publish: a message, what serialises it, what sends it, and how many listen."""
+    """Return a message and the functions that serialise it, send it, and count the listeners."""
     writer = DataWriter(*ends)
     return (
         JOINT_STATE(HEADER(TIME(0, 0), ""), [], [], [], []),
@@ -53,7 +53,7 @@ def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[
 
 
 def subscriber(add: Callable[[Any], None]) -> Callable[[], object]:
-    """Receive with a WaitSet; return what waits for more."""
+    """Call `add` with each message of a WaitSet; return the function that waits for more."""
     reader, waitset = DataReader(*ends), WaitSet(participant)
     waitset.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
 

@@ -1,7 +1,7 @@
-"""From publication to callback, between two processes: a node's callback, plain Cyclone DDS Python, and a real rclpy.
+"""Measure from publication to callback between two processes: with our node, plain Cyclone DDS Python, or a real rclpy.
 
 All publish the same message reliably, ``traffic.py publish|subscribe node|plain beat|flood|cost``: 100 times a second,
-with the time as a stamp in it; or as fast as they can, and those that arrive are counted.
+stamped with the time; or as fast as they can, to count the messages that arrive.
 """
 
 import statistics
@@ -13,11 +13,11 @@ from typing import Any
 MESSAGES = 300
 WARM_UP = 50
 PERIOD = 0.01  # [s]
-FLOOD = 2.0  # [s] for which those that arrive are counted
+FLOOD = 2.0  # [s] of counting
 
 
 def publish(kind: str, pace: str) -> None:
-    """Publish for ever. A flood is serialised already: so whoever receives it is the slower one."""
+    """Publish until killed. A flood is serialised in advance, so the receiver is the slower side."""
     message, serialized, send, listeners = import_module(kind).publisher()
     message.name, message.position = ["TURRET_Y", "TURRET_P"], [0.1, 0.2]
     message.velocity = message.effort = message.position
@@ -34,7 +34,7 @@ def publish(kind: str, pace: str) -> None:
 
 
 def subscribe(kind: str, pace: str) -> None:
-    """Print the median age of a message, or what one takes, on the clock or of this thread's processor [s]."""
+    """Print the median age of a message, or the real time or this thread's processor time per message [s]."""
     ages: list[int] = []  # [ns]
     began = began_cpu = 0.0
 

@@ -1,4 +1,4 @@
-"""The commands of ``tank``, run within the test's own process."""
+"""Run the commands of ``tank`` within the test's own process."""
 
 import gc
 import io
@@ -14,11 +14,11 @@ from programs import until
 from tutorial.commands.tank import main
 
 SIGNALLED = ("terminal", "tank", "bag", "chaos", "launcher")
-"""The modules that install signal handlers. Here pytest has its own."""
+"""The modules that install signal handlers. Here pytest has its own handlers."""
 
 
 class Run:
-    """One run of ``tank``: what it has said so far, its exit status, and whom Ctrl-C asks."""
+    """One run of ``tank``: its output so far, its exit status, and the functions that Ctrl-C calls."""
 
     def __init__(self) -> None:
         self.out, self.err = io.StringIO(), io.StringIO()
@@ -38,7 +38,7 @@ class Run:
         return self.stdout + self.stderr
 
     def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
-        """Do something once something is so: what Ctrl-C does, which comes in vain, too, for the command has to end."""
+        """When `so` is true, or never comes true, call `then`, or what Ctrl-C would call, so the command ends."""
         try:
             until(lambda: (self.asks and so()) or self.status is not None)
         except AssertionError:
@@ -48,7 +48,7 @@ class Run:
 
 @pytest.fixture
 def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
-    """Run ``tank`` with some words, of which the first is split; `once` it says, or is, something, Ctrl-C comes."""
+    """Run ``tank`` with arguments, `line` being split. `once` it prints a text or a condition holds, press Ctrl-C."""
 
     def run(line: str, *words: object, once: str | Callable[[], object] | None = None, then=None) -> Run:
         done = Run()
@@ -59,7 +59,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
             patch.setattr(gc, "freeze", lambda: None)
             patch.setattr(logging.root, "handlers", [])
             patch.setattr(logging.root, "level", logging.WARNING)
-            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # tutorial.notebook ends it
+            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # tutorial.notebook turns it off
             patch.setattr(sys, "argv", ["tank", *line.split(), *map(str, words)])
             if once is not None:
                 so = once if callable(once) else lambda: once in done.output
@@ -71,7 +71,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
                 done.status = int(end.code or 0)
             if once is not None:
                 watcher.join()
-        print(done.output)  # shown where the test fails
+        print(done.output)  # pytest shows this if the test fails
         assert "Traceback" not in done.output
         return done
 

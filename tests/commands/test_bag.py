@@ -1,4 +1,4 @@
-"""``tank bag``: a drive is recorded, looked at and played."""
+"""``tank bag``: record, inspect and play a drive."""
 
 import json
 
@@ -15,14 +15,14 @@ JOINTS = "/Tank/joint_state"
 
 @pytest.fixture
 def node(tank):
-    """A node beside the commands; it has a joystick that turns the turret."""
+    """A node beside the commands, with a joystick that turns the turret."""
     with NodeThread("beside") as thread:
         joy = thread.node.create_publisher(Joy, "/joy", 1)
         thread.node.create_timer(0.1, lambda: joy.publish(Joy(axes=[0.0, 0.0, 0.0, 0.5, 0.0, 0.0])))
         yield thread.node
 
 
-def test_a_drive_is_recorded_and_played_as_it_was(tank, node, tmp_path):
+def test_a_drive_is_recorded_and_played(tank, node, tmp_path):
     path, heard, clocks = tmp_path / "run", [], []
     run = tank("run step2 --headless --duration 4 --bag", path, "--report", tmp_path)
     assert run.status == 0
@@ -34,7 +34,7 @@ def test_a_drive_is_recorded_and_played_as_it_was(tank, node, tmp_path):
     played = tank("bag play", path, "--rate", 4, "--topics", JOINTS)
     assert (played.status, played.stdout.endswith("ends it\n200 messages played\n")) == (0, True)
 
-    (path / "metadata.yaml").unlink()  # as a recorder leaves it that is killed
+    (path / "metadata.yaml").unlink()  # a killed recorder leaves none
     info = tank("bag info", path)
     assert f"Topic: {JOINTS} | Type: sensor_msgs/msg/JointState | Count: 200 " in info.stdout
     assert "This bag is damaged, and is read as far as it goes: its metadata.yaml is missing" in info.stderr
@@ -45,7 +45,7 @@ def test_a_drive_is_recorded_and_played_as_it_was(tank, node, tmp_path):
     assert (endless.status, "messages played\n" in endless.stdout) == (0, True)
 
 
-def test_a_topic_that_nobody_publishes_is_waited_for(tank, tmp_path):
+def test_recording_waits_for_a_publisher(tank, tmp_path):
     run = tank("bag record /nobody -s sqlite3 -o", tmp_path / "bag", once="Ctrl-C ends it\n")
     assert (run.status, "0 messages of 0 topics in 0.0 s\n" in run.stdout) == (0, True)
     assert Bag(tmp_path / "bag").damage == ""

@@ -1,7 +1,7 @@
-"""``tank chaos``: faults from options, what they have hit, and an end without a trace."""
+"""``tank chaos``: faults from options, a count of the hits, and a clean end."""
 
 
-def test_it_says_which_faults_hold_and_what_they_have_hit(tank):
+def test_it_prints_its_faults_and_their_hits(tank):
     run = tank("chaos -f rename -f shuffle:0.5 --seed 3", once="rename 100 %, shuffle 50 %\n")
     assert (run.status, "messages hit: " in run.output) == (0, True)
     assert "no fault\nmessages hit: none\n" in tank("chaos", once="no fault\n").output

@@ -1,4 +1,4 @@
-"""`tank check` with a class whose answers try everything: each gets its own verdict, and the teacher is safe."""
+"""`tank check` with a class whose answers try everything: each one gets its own verdict, and the teacher is safe."""
 
 import asyncio
 import json
@@ -32,7 +32,7 @@ def match_by_name(joint_names, message):
     return {name: position for name, position in found if name in joint_names and math.isfinite(position)}
 """
 AT_ONCE = "class HeldJoint:\n    {}\n    def aim(self, stick): 1 / 0"
-ENDLESS = "import time\n    while True: time.sleep(0.1)"  # one that works without a pause would do so for `LIMIT`
+ENDLESS = "import time\n    while True: time.sleep(0.1)"  # without the pause it would use a core for `LIMIT` seconds
 SHOUT = """
 import os
 
@@ -44,11 +44,11 @@ def shout():
             pass
 """
 SLEEPER = "import sys, time; time.sleep(10_000)  # {}"
-LIMIT = 30  # [s] for an answer: one that is judged takes a second, or ten where much else is going on
+LIMIT = 30  # [s] for an answer: judging one takes a second, or ten on a busy machine
 
 
 def notebook(path, *sources):
-    """Write a notebook; each source is a cell."""
+    """Write a notebook with a cell for each source."""
     cells = [{"cell_type": "code", "source": source, "metadata": {}, "outputs": []} for source in sources]
     path.write_text(json.dumps({"cells": cells, "nbformat": 4, "nbformat_minor": 5, "metadata": {}}))
     return path
@@ -64,7 +64,7 @@ def bubblewrap():
 
 @pytest.fixture(scope="module")
 def school(tmp_path_factory):
-    """A class's notebooks."""
+    """The notebooks of a class."""
     room = tmp_path_factory.mktemp("class")
     notebook(room / "ben.ipynb", IMPORTS, RIGHT.replace(" and math.isfinite(position)", ""), CHECK)
     notebook(room / "carl.ipynb", IMPORTS, AT_ONCE.format(ENDLESS), "await aim.check(HeldJoint)", RIGHT, CHECK)
@@ -88,7 +88,7 @@ def school(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def judged(school, tmp_path_factory):
-    """What became of them: by learner, the problem, and the answers by exercise; and the whole of it."""
+    """The result: by learner, the problem and the answers by exercise; the whole JSON; the process; the JUnit file."""
     junit = tmp_path_factory.mktemp("junit") / "junit.xml"
     words = [TANK, "check", school, "--json", "--limit", str(LIMIT), "--junit", junit, "--jobs", "3"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=False)
@@ -111,17 +111,17 @@ AIM = [
 
 
 @pytest.mark.parametrize(("learner", "verdict", "cause"), AIM)
-def test_each_answer_has_its_verdict_and_what_it_did_is_charged_to_it_alone(judged, learner, verdict, cause):
+def test_each_answer_is_charged_only_for_its_own_deeds(judged, learner, verdict, cause):
     found = {exercise: (answer["verdict"], answer["cause"]) for exercise, answer in judged[0][learner][1].items()}
     assert found == {"aim": (verdict, cause), "by_name": ("right", "")}
 
 
-def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
+def test_wrong_answers_have_causes_and_other_files_problems(judged):
     learners, _, done, _ = judged
     ben = learners["ben"][1]["by_name"]
     assert (ben["verdict"], bool(ben["cause"]), "✗" in ben["text"]) == ("wrong", True, True)
     assert {answer["verdict"] for answer in learners["lena"][1].values()} == {"not tried"}
-    assert learners["nora"][1]["publish"]["verdict"] == "right", "it needs the tank's model"
+    assert learners["nora"][1]["publish"]["verdict"] == "right", "this answer needs the tank's model"
     assert "anna-checkpoint" not in learners
     assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
     assert learners["hans"][0] == "it has more than 50 MB"
@@ -129,12 +129,12 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
     assert "\x1b" not in done.stdout
 
 
-def test_nothing_is_left(judged, school):
+def test_no_files_or_processes_are_left(judged, school):
     started = (process.info["cmdline"] or [] for process in psutil.process_iter(["cmdline"]))
     assert not [words for words in started if SLEEPER.format(school) in words]
 
 
-def test_it_is_summed_up(judged):
+def test_it_prints_a_summary(judged):
     _, whole, done, junit = judged
     assert done.returncode == 1
     assert whole["summary"][0].startswith("10 notebooks, ")
@@ -149,7 +149,7 @@ def test_it_is_summed_up(judged):
     assert suites["gina.ipynb"].find("testcase/error") is not None
 
 
-def test_a_table_is_printed_where_all_is_right(program, tmp_path):
+def test_right_answers_exit_with_status_0(program, tmp_path):
     path = notebook(tmp_path / "nora.ipynb", RIGHT)
     running = program("check", path, notebook(tmp_path / "none.ipynb", "x = 1"))
     assert running.ends() == 0, running.output
@@ -157,7 +157,7 @@ def test_a_table_is_printed_where_all_is_right(program, tmp_path):
         assert words in running.output
 
 
-def test_without_a_sandbox_it_is_said_and_a_report_that_does_not_fit_on_the_disk_costs_no_verdict(program, tmp_path):
+def test_without_a_sandbox_nothing_is_judged_and_a_full_disk_costs_no_verdict(program, tmp_path):
     path = notebook(tmp_path / "kim.ipynb", AT_ONCE.format("import os; os._exit(0)"), RIGHT)
     running = program("check", path, "--no-sandbox", "--junit", "/dev/full")
     assert running.ends() == 1
@@ -169,7 +169,7 @@ def test_without_a_sandbox_it_is_said_and_a_report_that_does_not_fit_on_the_disk
 
 @pytest.fixture
 def judging(program, tmp_path):
-    """A check that has judged one notebook of two, and is at the second."""
+    """A running check that has judged the first of two notebooks."""
     notebook(tmp_path / "a.ipynb", RIGHT)
     notebook(tmp_path / "b.ipynb", f"# {tmp_path}", AT_ONCE.format("while True: pass"))
     running = program("check", tmp_path, "--jobs", "1")
@@ -182,19 +182,19 @@ def judging(program, tmp_path):
     assert not [process for process in below if process.is_running() and process.status() != psutil.STATUS_ZOMBIE]
 
 
-def test_ctrl_c_shows_what_is_done_and_leaves_nothing(judging):
+def test_ctrl_c_shows_partial_results_and_leaves_nothing(judging):
     judging.asks_to_stop()
     assert judging.ends() == 130
     assert " right " in judging.output
     assert "Interrupted: 1 of 2 notebooks are not judged." in judging.output
 
 
-def test_nothing_goes_on_when_the_teachers_process_is_killed(judging):
+def test_no_process_outlives_a_killed_check(judging):
     judging.process.kill()
     judging.ends()
 
 
-def test_all_processes_of_an_answer_share_one_limit_of_memory(monkeypatch, tmp_path):
+def test_an_answers_processes_share_one_memory_limit(monkeypatch, tmp_path):
     monkeypatch.setattr(submission, "MEMORY", 3 << 30)
     sixteen = "import os, time\n    for _ in range(4): os.fork()\n    time.sleep(10_000)"
     path = notebook(tmp_path / "olga.ipynb", AT_ONCE.format(sixteen), RIGHT)
@@ -202,7 +202,7 @@ def test_all_processes_of_an_answer_share_one_limit_of_memory(monkeypatch, tmp_p
     assert (verdicts["aim"].cause, verdicts["by_name"].outcome) == (submission.BROKEN, "right")
 
 
-def test_a_check_can_be_interrupted_while_a_process_is_started(tmp_path):
+def test_a_check_can_be_interrupted_while_starting_a_process(tmp_path):
     path = notebook(tmp_path / "nora.ipynb", RIGHT)
 
     async def interrupt():

@@ -1,4 +1,4 @@
-"""The demo's closing table. That it runs is seen where it is installed: tests/house/test_wheel.py."""
+"""The demo's closing table. tests/house/test_wheel.py runs the installed demo."""
 
 import io
 
@@ -9,7 +9,7 @@ from tutorial.commands.demo import summary
 TOPIC, JOINTS = "/Tank/joint_state", {"J": 0.5}
 
 
-def test_the_table_has_nodes_topics_rates_latencies_and_joints_in_80_columns():
+def test_the_table_fits_into_80_columns():
     sent = {"published": 500, "rate_hz": 50.0, "latency_ms": {"median": None, "p99": None}}
     got = {"received": 499, "applied": 499, "rate_hz": 49.9, "latency_ms": {"median": 0.75, "p99": 0.8}}
     nodes = {"simulation": sent, "viewer": got}

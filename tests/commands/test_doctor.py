@@ -1,4 +1,4 @@
-"""The doctor: each probe with what is well and what is not. The whole command is in test_hostile_names.py."""
+"""The doctor's probes, each with good and bad answers. test_hostile_names.py runs the whole command."""
 
 from unittest.mock import Mock
 
@@ -42,9 +42,9 @@ OTHERS = "all machines of this network"
         ("domain", "pocket", LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
     ],
 )
-def test_what_there_is_is_found(monkeypatch, probe, kind, answer, environment, level, said, mend):
+def test_each_probe_reports_what_it_finds(monkeypatch, probe, kind, answer, environment, level, said, mend):
     monkeypatch.setattr(doctor.os, "environ", environment)
-    monkeypatch.setattr(doctor, "ask", Mock(side_effect=[answer]))  # in a process of its own
+    monkeypatch.setattr(doctor, "ask", Mock(side_effect=[answer]))  # instead of starting a process
     monkeypatch.setattr(doctor, "ros_backend", lambda: "pocket" if kind == "pocket" else "rclpy")
     monkeypatch.setattr(doctor, "_kind", lambda: kind)
     monkeypatch.setattr(doctor, "SETUP", __file__)
@@ -62,7 +62,7 @@ def test_loopback_down(monkeypatch):
     assert "the loopback interface (127.0.0.1) is down" in found.text
 
 
-def test_it_stands_in_columns_no_word_is_broken_and_when_a_probe_fails_the_others_go_on(monkeypatch, capsys):
+def test_output_has_columns_and_a_failed_probe_does_not_stop_the_rest(monkeypatch, capsys):
     found = doctor.Diagnosis("problem", f"{'word ' * 30}{'/long' * 30}", "export ROS_DOMAIN_ID=42")
     probes = {"ROS 2": lambda: found, "broken": lambda: 1 / 0, "Python": doctor.PROBES["Python"]}
     monkeypatch.setattr(doctor, "PROBES", probes)
@@ -88,7 +88,7 @@ def test_it_stands_in_columns_no_word_is_broken_and_when_a_probe_fails_the_other
         ("import time; time.sleep(60)", 0.1, r"no answer within 0\.1 s"),
     ],
 )
-def test_what_goes_wrong_elsewhere_is_only_an_answer_that_does_not_come(tmp_path, monkeypatch, module, patience, said):
+def test_a_crashed_or_hanging_probe_is_reported(tmp_path, monkeypatch, module, patience, said):
     (tmp_path / "mujoco.py").write_text(module)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     with pytest.raises(TutorialError, match=said):

@@ -1,4 +1,4 @@
-"""What ``tank`` prints beside a program whose names would have a terminal obey them: it is Cyclone DDS alone."""
+"""What ``tank`` prints beside a program, made with plain Cyclone DDS, whose names contain control characters."""
 
 import pytest
 from programs import until
@@ -9,15 +9,15 @@ from sensor_msgs.msg import JointState
 from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics.names import escape_name, full_name
 
-pytestmark = pytest.mark.pocket  # to it the program speaks; how a name is written is the same beside a real ROS 2
+pytestmark = pytest.mark.pocket  # the program talks to it; on a real ROS 2, tank writes names in the same way
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07"
-"""Clears the screen of a terminal, and names its window."""
+"""Clears a terminal's screen, and sets its window's title."""
 BACKWARDS = "\u202egpj.exe"
 FORGED = "a\r\n/forged\u2028\x85b"
 LONG = "n" * 250
 TEXTS = (FORGED, ESCAPES, BACKWARDS, "<b>x</b>", "\ufeff\x7f\x9b31m\t", LONG)
-"""What the joints and the nodes are called; the first node has all publishers."""
+"""The names of the joints and the nodes; the first node owns all publishers."""
 NODES = (*((text, "/") for text in TEXTS), ("plain", "no_slash"), ("a/b", "//x/"), ("1abc", "/"), ("", ""))
 TOPICS = {
     **dict.fromkeys(("/1abc", "/a/", "//x", "/", "/<b>x</b>", "/{", f"/{'a' * 240}"), "std_msgs::msg::dds_::String_"),
@@ -28,7 +28,7 @@ JOINTS = "/Tank/joint_state"
 
 @pytest.fixture
 def hostile(domain):
-    """The program in the test's domain, and a node that says where the joints are."""
+    """The hostile program in the test's domain, and a node that publishes joint states."""
     from cyclonedds.idl import make_idl_struct
     from cyclonedds.pub import DataWriter
     from cyclonedds.topic import Topic
@@ -72,8 +72,8 @@ def hostile(domain):
         ("run step3 --headless --duration 3", 0, [f"unknown {FORGED!r}, {ESCAPES!r}, {BACKWARDS!r} and 3 more"]),
     ],
 )
-def test_a_command_prints_names_and_texts_without_obeying_them(hostile, tank, command, status, lines):
-    """Once more where the two had no time to find each other. Nothing but line breaks is in it that is not visible."""
+def test_names_and_texts_are_printed_as_escapes(hostile, tank, command, status, lines):
+    """Try again if the programs had no time to discover each other. All output but line breaks must be printable."""
 
     def says_so():
         run = tank(command)

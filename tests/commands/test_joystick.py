@@ -1,4 +1,4 @@
-"""Drive files, what is said when they are wrong, and how long a joystick lasts."""
+"""Drive files, errors in them, and the joystick's lifetime."""
 
 import re
 import sys
@@ -24,7 +24,7 @@ def drive(tmp_path):
     return drive
 
 
-def test_the_axes_are_held_from_each_moment_on(drive):
+def test_axes_are_held_until_the_next_entry(drive):
     held = drive("drive:\n- {time: 1, axes: [0, 0.5]}\n- {time: 2.5, axes: [1]}")
     read = [held.read(seconds) for seconds in (0.0, 1.0, 2.4, 99.0)]
     assert read == [([0.0] * 6, []), ([0.0, 0.5], []), ([0.0, 0.5], []), ([1.0], [])]
@@ -36,7 +36,7 @@ def test_a_drive_may_repeat(drive):
     assert [repeated.read(seconds)[0] for seconds in (0.5, 1.5, 2.5, 3.5, 200.5)] == [[0.1], [0.2], [0.1], [0.2], [0.1]]
 
 
-def test_it_ends_with_its_simulation_while_others_go_on_listening(domain):
+def test_it_ends_with_its_simulation_although_other_nodes_listen(domain):
     with NodeThread("joy") as joy, NodeThread("simulation") as simulation, NodeThread("bystander") as bystander:
         bystander.node.create_subscription(Joy, "joy", lambda _: None, 1)
         subscription = simulation.node.create_subscription(Joy, "joy", lambda _: None, 1)
@@ -60,7 +60,7 @@ def test_it_ends_with_its_simulation_while_others_go_on_listening(domain):
         ("drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}", "line 3: 1.0 is not later than 1.0. Put the moments"),
     ],
 )
-def test_a_bad_drive_is_named_with_its_line_and_the_mend(drive, tmp_path, text, said):
+def test_a_bad_drive_is_reported_with_line_and_fix(drive, tmp_path, text, said):
     with pytest.raises(TutorialError, match=re.escape(f"{tmp_path / 'drive.yaml'}, {said}")):
         drive(text)
 
@@ -87,7 +87,7 @@ print([round(axis, 2) for axis in axes], buttons[:2])
 
 @pytest.mark.process
 @pytest.mark.skipif(sys.platform != "linux", reason="SDL's library is looked up in /proc")
-def test_a_gamepads_sticks_are_left_and_forward_positive():
+def test_left_and_forward_are_positive():
     pytest.importorskip("pygame", reason="the extra 'gamepad' is not installed")
     said = run("-W", "error", "-c", VIRTUAL_GAMEPAD, cwd=HOME)
     assert said.splitlines()[-1] == "[1.0, 1.0, -0.5, -1.0, -1.0, 0.0] [1, 0]"

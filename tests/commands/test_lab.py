@@ -1,4 +1,4 @@
-"""The command that opens JupyterLab on the notebooks."""
+"""`tank lab`, which opens JupyterLab on the notebooks."""
 
 import json
 import logging
@@ -27,7 +27,7 @@ CODESPACE = {"CODESPACE_NAME": "animated-tank", "GITHUB_CODESPACES_PORT_FORWARDI
 
 @pytest.fixture
 def shipped(tmp_path, monkeypatch):
-    """The course folder of an installed package; the current directory is one with nothing in it."""
+    """The course folder of an installed package; the current directory is an empty one."""
     folder = tmp_path / "package"
     for name in ("book/glossary.md", "launch_py/step1.launch.py", "notebooks/0_setup.ipynb", "project/step1.yaml"):
         path = folder / name
@@ -52,24 +52,22 @@ def is_trusted(path, folder):
 
 
 NOWHERE = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
-JUPYTERS = ("JUPYTER_CONFIG", "JUPYTER_DATA", "JUPYTER_RUNTIME", "JUPYTERLAB_WORKSPACES")  # folders; the user's rest
+JUPYTERS = ("JUPYTER_CONFIG", "JUPYTER_DATA", "JUPYTER_RUNTIME", "JUPYTERLAB_WORKSPACES")  # hide the user's
 NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
 
 
 @pytest.mark.process
-def test_where_there_is_no_browser_it_says_what_to_open_trusts_the_notebooks_and_ends_with_its_kernels(
-    program, tmp_path
-):
-    """As root, too, which the tests are in a container. Ctrl-C ends it without a word."""
+def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(program, tmp_path):
+    """Run without a browser, and possibly as root, as in a container. Ctrl-C ends it silently."""
     folders = {f"{name}_DIR": str(tmp_path / name) for name in JUPYTERS}
-    quick = ("--ServerApp.port=0", "--LanguageServerManager.autodetect=False")  # it asks npm where they might be
+    quick = ("--ServerApp.port=0", "--LanguageServerManager.autodetect=False")  # without npm
     running = program("lab", "--", *quick, environment=NOWHERE | folders | {"PATH": os.defpath})
     running.says("?token=")
     until(lambda: ADDRESS.search(running.output), "the address")
     address = ADDRESS.search(running.output)[0]
     with answer(address) as page:
-        assert page.url == address  # and not the page that asks for the token
-    assert shutil.which("tank", path=psutil.Process(running.process.pid).environ()["PATH"])  # in its terminals, too
+        assert page.url == address  # not the page that asks for the token
+    assert shutil.which("tank", path=psutil.Process(running.process.pid).environ()["PATH"])  # for its terminals
     for path in NOTEBOOKS.glob("*.ipynb"):
         assert is_trusted(path, folders["JUPYTER_DATA_DIR"]), path
     kernels = address.replace("/lab/tree/notebooks/0_setup.ipynb", "/api/kernels")
@@ -90,19 +88,19 @@ def test_where_there_is_no_browser_it_says_what_to_open_trusts_the_notebooks_and
     running.leaves_nothing()
 
 
-def test_what_jupyterlab_is_told(tmp_path, monkeypatch):
+def test_jupyterlabs_arguments(tmp_path, monkeypatch):
     for name, value in NOWHERE.items():
         monkeypatch.setenv(name, value)
     told = lab_command(["--no-browser"], tmp_path)
-    assert told[1] == "-P"  # no Python file that lies about is run
-    assert told[-1] == "--no-browser"  # the last word is the user's
+    assert told[1] == "-P"  # run no Python file from the current directory
+    assert told[-1] == "--no-browser"  # the user's arguments come last
     assert {"--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={tmp_path}", "--ServerApp.allow_origin_pat="} < {*told}
     assert {"--ServerApp.use_redirect_file=True", "--ServerApp.max_body_size=64000000"} < {*told}
     monkeypatch.setenv("WSL_DISTRO_NAME", "Ubuntu")  # where the browser cannot open this machine's files
     assert "--ServerApp.use_redirect_file=False" in lab_command()
 
 
-def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(monkeypatch):
+def test_in_a_codespace_only_the_forwarded_page_reaches_the_server(monkeypatch):
     pages = (
         "animated-tank-8888.app.github.dev",
         "another-tank-8888.app.github.dev",
@@ -120,7 +118,7 @@ def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(
     assert reaching() == []
 
 
-def test_only_what_is_there_now_is_trusted(tmp_path):
+def test_only_existing_notebooks_are_trusted(tmp_path):
     mine = tmp_path / "notebooks"
     mine.mkdir()
     (mine / "5_broken.ipynb").write_text("<<<<<<< mine")
@@ -133,7 +131,7 @@ def test_only_what_is_there_now_is_trusted(tmp_path):
     assert not is_trusted(second, tmp_path)
 
 
-def test_where_there_is_no_course_folder_one_is_made_of_all_but_what_pip_has_compiled(shipped, tmp_path):
+def test_the_course_is_copied_without_compiled_files(shipped, tmp_path):
     compiled = shipped / "launch_py" / "__pycache__" / "step1.launch.cpython-311.pyc"
     compiled.parent.mkdir()
     compiled.write_bytes(b"")
@@ -144,10 +142,10 @@ def test_where_there_is_no_course_folder_one_is_made_of_all_but_what_pip_has_com
     assert "class TankController" in controllers["tutorial/controllers/tank_controller.py"]
     compiled.unlink()
     assert files_in(shipped) == {name: text for name, text in copied.items() if name not in controllers}
-    assert all((course / name).stat().st_mode & 0o200 for name in copied)  # though the package is read-only
+    assert all((course / name).stat().st_mode & 0o200 for name in copied)  # although the package is read-only
 
 
-def test_what_a_learner_has_changed_stays_and_what_is_missing_is_added(shipped, caplog):
+def test_changed_files_stay_and_missing_ones_are_added(shipped, caplog):
     course = own_course()
     (course / "notebooks" / "0_setup.ipynb").write_text("my answers")
     (course / "notebooks" / "mine.ipynb").write_text("my own")
@@ -159,7 +157,7 @@ def test_what_a_learner_has_changed_stays_and_what_is_missing_is_added(shipped, 
     assert files_in(course / "notebooks") == dict(zip(names, ("my answers", "my own", "a later version's")))
 
 
-def test_one_who_works_in_a_course_folder_goes_on_in_it(shipped, tmp_path, monkeypatch):
+def test_lab_in_a_course_folder_uses_it(shipped, tmp_path, monkeypatch):
     course = own_course()
     monkeypatch.setattr(lab, "HOME", course)
     monkeypatch.chdir(course / "notebooks")
@@ -169,8 +167,8 @@ def test_one_who_works_in_a_course_folder_goes_on_in_it(shipped, tmp_path, monke
     assert not (course / "notebooks" / "tank-tutorial").exists()
 
 
-def test_nothing_is_added_to_a_checkout(shipped, tmp_path, monkeypatch):
-    """Of another version, perhaps, than the one that is installed."""
+def test_a_checkout_stays_unchanged(shipped, tmp_path, monkeypatch):
+    """It may have a different version than the installed package."""
     monkeypatch.setattr(lab, "HOME", tmp_path / "checkout")
     package = tmp_path / "checkout" / "tutorial"
     package.mkdir(parents=True)
@@ -186,14 +184,14 @@ def test_nothing_is_added_to_a_checkout(shipped, tmp_path, monkeypatch):
         (lambda here: own_course(), r"tank-tutorial belongs to another user\. Go to a folder of your own"),
     ],
 )
-def test_a_folder_in_which_there_can_be_no_course_is_said(shipped, tmp_path, monkeypatch, spoil, said):
+def test_an_unusable_folder_is_reported(shipped, tmp_path, monkeypatch, spoil, said):
     spoil(tmp_path / "here")
     monkeypatch.setattr(lab, "is_ours", lambda folder: folder.is_file())
     with pytest.raises(TutorialError, match=said):
         own_course()
 
 
-def test_a_setting_that_is_given_takes_the_place_of_ours_and_a_hub_says_where_its_students_servers_listen(monkeypatch):
+def test_the_users_settings_and_the_hubs_address_win(monkeypatch):
     assert [word for word in lab_command(["--ServerApp.ip=0.0.0.0"]) if "ServerApp.ip" in word] == [
         "--ServerApp.ip=0.0.0.0"
     ]
@@ -202,5 +200,5 @@ def test_a_setting_that_is_given_takes_the_place_of_ours_and_a_hub_says_where_it
     told = lab_command()
     assert "jupyterhub.singleuser" in told
     assert not [word for word in told if "ServerApp.ip" in word]
-    monkeypatch.setenv("JUPYTER_SERVER_URL", "http://127.0.0.1:50000/user/ada/")  # in a terminal of such a server
+    monkeypatch.setenv("JUPYTER_SERVER_URL", "http://127.0.0.1:50000/user/ada/")  # set in a terminal of a hub's server
     assert "jupyterlab" in lab_command()

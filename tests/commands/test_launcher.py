@@ -1,4 +1,4 @@
-"""Launch files without ROS: processes that end together, whatever happens."""
+"""Launch files without ROS: all processes end together, whatever happens."""
 
 import io
 import os
@@ -28,7 +28,7 @@ IGNORE = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); print('st
 
 @pytest.fixture
 def launch_file(tmp_path):
-    """Write a launch file of processes, or of commands, given by name."""
+    """Write a launch file with processes, or with commands by name."""
 
     def write(processes="", **commands):
         path = tmp_path / "test.launch.py"
@@ -40,7 +40,7 @@ def launch_file(tmp_path):
 
 
 class Process(nullcontext):
-    """Stands in for a process: what it says, its status in the end, and which signals end it."""
+    """A fake process: its output, its exit status, and the signals that end it."""
 
     def __init__(self, pid, says="", status=None, heeds=(INT, KILL)):
         super().__init__()
@@ -71,11 +71,11 @@ KINDS = {
     "echo": {"says": f"hello\n{'x' * 30}\n\x1b[2J\u202eb\tc\x85d\n", "status": 0},
     "true": {"status": 0},
 }
-"""What the processes are like, by their program."""
+"""The fake processes, by program."""
 
 
 class Machine:
-    """Starts what stands in for processes."""
+    """Starts fake processes."""
 
     def __init__(self, monkeypatch):
         self.processes, self.given, self.out, self.handle_signals = [], [], io.StringIO(), Mock()
@@ -91,7 +91,7 @@ class Machine:
         return self.processes[-1]
 
     def run(self, path, ask=False, **environment):
-        """Run a launch file, and ask it to end once each process has said something; return the exit status."""
+        """Run a launch file, ask it to end once each process has printed something, and return the exit status."""
         self.launcher = Launcher(load_launch_file(path), environment, self.out)
 
         def look(_):
@@ -114,7 +114,7 @@ def machine(monkeypatch):
     return Machine(monkeypatch)
 
 
-def test_lines_have_the_process_in_front_and_reach_no_terminal_raw(machine, launch_file, monkeypatch):
+def test_each_line_names_its_process_and_is_escaped(machine, launch_file, monkeypatch):
     monkeypatch.setenv("LANG", "C")
     monkeypatch.setattr(launcher.shutil, "which", lambda word, path: None)
     more = ("", "additional_env={'B': '2'}", "env={'PATH': '/nowhere'}")
@@ -131,16 +131,14 @@ def test_lines_have_the_process_in_front_and_reach_no_terminal_raw(machine, laun
 
 
 @pytest.mark.parametrize(("program", "status", "left"), [("failing", 3, []), ("killed", 137, [INT])])
-def test_when_one_fails_the_others_are_stopped_and_its_status_is_the_exit_status(
-    machine, launch_file, program, status, left
-):
+def test_when_one_fails_the_rest_stop_and_its_status_counts(machine, launch_file, program, status, left):
     assert machine.run(launch_file(sleeper=["sleeper"], **{program: [program]})) == status
     said = [line for line in machine.lines if "failed with" in line]
     assert said == [f"{program:7} | failed with exit status {status}; the others are stopped"]
-    assert machine.heard == [[INT], left]  # what is left of the group of one that was killed
+    assert machine.heard == [[INT], left]  # the remaining group of the killed process
 
 
-def test_asked_to_stop_it_stops_all_and_who_does_not_is_killed(machine, launch_file, monkeypatch):
+def test_asked_to_stop_it_kills_those_that_do_not(machine, launch_file, monkeypatch):
     monkeypatch.setattr(launcher, "PATIENCE", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted
@@ -157,7 +155,7 @@ def test_asked_to_stop_it_stops_all_and_who_does_not_is_killed(machine, launch_f
         ("additional_env=5", "'int' object is not a mapping"),
     ],
 )
-def test_what_was_started_is_stopped_when_another_cannot_be(machine, launch_file, more, said):
+def test_started_processes_stop_if_a_later_one_cannot_start(machine, launch_file, more, said):
     path = launch_file(f"ExecuteProcess(cmd=['sleeper']), ExecuteProcess(name='other', cmd=['true'], {more})")
     with pytest.raises(TutorialError) as info:
         machine.run(path)
@@ -165,7 +163,7 @@ def test_what_was_started_is_stopped_when_another_cannot_be(machine, launch_file
     assert (machine.heard, "failed" in machine.out.getvalue()) == ([[INT]], False)
 
 
-def test_when_nobody_reads_any_more_all_are_stopped(machine, launch_file, monkeypatch):
+def test_all_stop_when_the_output_is_closed(machine, launch_file, monkeypatch):
     monkeypatch.setattr(machine.out, "write", Mock(side_effect=BrokenPipeError))
     assert machine.run(launch_file(sleeper=["sleeper"])) == 0
     assert machine.heard == [[INT]]
@@ -187,7 +185,7 @@ DEFINED = "def generate_launch_description()"
         (FILE.format("ExecuteProcess(cmd=[['tank']] * 10_000)"), "its cmd is [['tank'], ['tank']"),
     ],
 )
-def test_a_bad_launch_file_says_what_is_wrong_before_anything_is_started(launch_file, text, said):
+def test_a_bad_launch_file_is_reported_before_any_start(launch_file, text, said):
     path = launch_file()
     path.write_text(text)
     with pytest.raises(TutorialError) as info:
@@ -198,7 +196,7 @@ def test_a_bad_launch_file_says_what_is_wrong_before_anything_is_started(launch_
 
 
 @pytest.mark.process
-def test_a_command_that_there_is_not_is_said_and_real_processes_are_stopped(program, launch_file):
+def test_an_unknown_command_stops_real_processes(program, launch_file):
     running = program("launch", launch_file(sleeper=SLEEPER, missing=["no-such-command"]))
     assert running.ends() == 127
     assert "missing | no-such-command could not be started: No such file or directory\n" in running.output
@@ -206,7 +204,7 @@ def test_a_command_that_there_is_not_is_said_and_real_processes_are_stopped(prog
 
 
 @pytest.mark.process
-def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
+def test_no_process_outlives_a_killed_launcher(program, launch_file):
     running = program("launch", launch_file(one=SLEEPER, other=["python3", "-c", f"{IGNORE}\n{SLEEP}"]))
     running.says("asleep")
     running.says("stubborn")
@@ -214,7 +212,7 @@ def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
     running.leaves_nothing()
 
 
-def test_on_a_terminal_lines_stand_above_the_progress_bar(monkeypatch, launch_file):
+def test_log_lines_appear_above_the_progress_bar(monkeypatch, launch_file):
     shown = io.StringIO()
     shown.isatty = lambda: True
     for stream in ("stdout", "stderr"):
@@ -255,7 +253,7 @@ print(len(asked))
 
 
 @pytest.mark.process
-def test_ctrl_c_while_a_command_of_ours_starts_gives_no_traceback():
+def test_ctrl_c_while_a_command_starts_gives_no_traceback():
     watch = launcher.parent_watch
     for moment in range(20):
         with watch.start_watched([watch.OWN, "--version"], os.environ) as process:
@@ -266,7 +264,7 @@ def test_ctrl_c_while_a_command_of_ours_starts_gives_no_traceback():
 
 @pytest.mark.process
 @pytest.mark.parametrize(("when", "status", "last"), [("not yet\n", 128 + INT, "not yet\n"), ("up\n", 0, "1\n")])
-def test_a_command_is_asked_once_also_while_it_is_being_started(when, status, last):
+def test_a_starting_command_is_asked_to_stop_only_once(when, status, last):
     turn, give = os.pipe()
     words = [sys.executable, "-c", HELD_UP, str(turn), launcher.parent_watch.__file__, sys.executable, "-c", COUNTS]
     pipe = subprocess.PIPE

@@ -1,4 +1,4 @@
-"""`tank package`: what it makes is a ROS 2 package, as REP 149 and colcon want it, and nothing is written over."""
+"""`tank package`: it writes a ROS 2 package as REP 149 and colcon expect it, and never overwrites a file."""
 
 from xml.etree import ElementTree
 
@@ -18,7 +18,7 @@ COMMON = {"README.md", "package.xml", "setup.cfg", "setup.py"}
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """The current directory, in which a learner's file with two controllers lies, on a machine that knows its user."""
+    """The current directory, with a learner's file of two controllers, on a machine where git knows the user."""
     (tmp_path / "mine.py").write_text(CONTROLLERS)
     monkeypatch.setattr(contents, "_ask_git", dict(zip(("user.name", "user.email"), ANN)).__getitem__)
     monkeypatch.chdir(tmp_path)
@@ -26,7 +26,7 @@ def here(tmp_path, monkeypatch):
 
 
 def make(*arguments):
-    """Make a package in the current directory, and return what is said."""
+    """Make a package in the current directory, and return the output."""
     return CliRunner().invoke(package, arguments, catch_exceptions=False).output
 
 
@@ -68,7 +68,7 @@ def test_interfaces_or_controller(here):
     assert not (here / "my_msgs").exists()
 
 
-def test_a_package_of_a_controller_is_around_the_first_step_that_has_it(here):
+def test_a_controllers_package_runs_its_first_step(here):
     said = make("my_tank", "--controller", "mine.py:JointStatePublisher", "--destination-directory", "src")
     folder = here / "src" / "my_tank"
     assert files(folder) == files_of("my_tank", "joint_state_publisher") | {"my_tank/node.py"}
@@ -78,7 +78,7 @@ def test_a_package_of_a_controller_is_around_the_first_step_that_has_it(here):
     assert "    ros2 run my_tank joint_state_publisher\n" in said
 
 
-def test_a_viewer_is_called_one_and_its_messages_are_declared(here):
+def test_a_viewers_package_declares_its_messages(here):
     source = (HOME / "tutorial" / "controllers" / "imu_subscriber.py").read_text(encoding="utf-8")
     (here / "mine.py").write_text(source + "\nimport geometry_msgs.msg as g\n", encoding="utf-8")
     make("my_viewer", "--controller", "mine.py")
@@ -86,7 +86,7 @@ def test_a_viewer_is_called_one_and_its_messages_are_declared(here):
     assert depends(here / "my_viewer") == {"geometry_msgs", "python3-numpy", "rclpy", "ros2launch", "sensor_msgs"}
 
 
-def test_catkin_pkg_reads_it_without_a_complaint(here):
+def test_catkin_pkg_accepts_it(here):
     rep149 = pytest.importorskip("catkin_pkg.package", reason="catkin_pkg is not installed: make install installs it")
     make("my_tank", "--controller", "mine.py:TankController")
     complaints = []
@@ -98,7 +98,7 @@ def test_catkin_pkg_reads_it_without_a_complaint(here):
 
 
 @pytest.mark.process
-def test_it_is_installed_where_ros2_looks(here):
+def test_it_is_installed_where_ros2_looks_for_it(here):
     need_setuptools()
     make("my_listener")
     make("my_tank", "--controller", "mine.py:TankController")
@@ -108,20 +108,20 @@ def test_it_is_installed_where_ros2_looks(here):
         assert (prefix / "share" / "ament_index" / "resource_index" / "packages" / name).exists()
         assert files(prefix / "share" / name) == {"package.xml", f"launch/{name}.launch.py"}
     starts = (prefix / "lib" / "my_tank" / "tank_controller").read_text().splitlines()[0]
-    assert starts == "#!/usr/bin/env python3"  # of the environment that is active, which has the tutorial
+    assert starts == "#!/usr/bin/env python3"  # of the active environment, which has the tutorial
     assert (prefix / "lib" / "my_listener" / "listener").exists()
 
 
 @pytest.mark.process
 @pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])
-def test_the_test_that_it_brings_passes(here, domain, arguments):
+def test_the_generated_test_passes(here, domain, arguments):
     make("my_tank", *arguments)
-    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # Jazzy's plugins are not for pytest 9
+    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # Jazzy's plugins do not work with pytest 9
     assert "1 passed" in run("-m", "pytest", "-p", "tutorial", cwd=here / "my_tank", **alone)
 
 
 @pytest.mark.process
-def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(here, domain):
+def test_its_node_takes_the_options_of_tank_run(here, domain):
     make("my_tank", "--controller", "mine.py:JointStatePublisher")
     start = "import sys; from my_tank.node import main; main()"
     said = run("-c", start, "--headless", "--duration", "0.1", "--ros-args", "-r", "__node:=sim", cwd=here / "my_tank")
@@ -139,14 +139,14 @@ def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(her
         ("rclpy", "Choose another name, such as 'my_rclpy'."),
     ],
 )
-def test_a_name_that_no_package_can_have(here, name, said):
+def test_an_invalid_package_name_is_refused(here, name, said):
     with pytest.raises(TutorialError) as info:
         make(name)
     assert said.replace(r"\\", "\\") in str(info.value)
     assert files(here) == {"mine.py"}
 
 
-def test_a_file_from_which_no_package_can_be_made(here):
+def test_a_file_without_a_usable_class_is_refused(here):
     one = CONTROLLERS.partition("class J")[0]
     (here / "new.py").write_text(one.replace("class TankController", "class TankControl"))
     for controller, said in (
@@ -158,13 +158,13 @@ def test_a_file_from_which_no_package_can_be_made(here):
     assert not (here / "my_tank").exists()
 
 
-def test_a_class_that_the_controller_is_made_from_is_no_second_one(here):
+def test_a_base_class_is_not_a_second_controller(here):
     helper = CONTROLLERS.partition("class J")[0].replace("class TankController", "class Helper")
     (here / "mine.py").write_text(f"{helper}class TankController(Helper):\n    pass\n")
     assert "ros2 run my_tank tank_controller" in make("my_tank", "--controller", "mine.py")
 
 
-def test_what_is_there_stays_as_it_is(here):
+def test_existing_files_are_kept(here):
     (here / "my_tank").mkdir()
     (here / "my_tank" / "setup.py").write_text("mine")
     before = files(here)
@@ -175,14 +175,14 @@ def test_what_is_there_stays_as_it_is(here):
 
 
 @pytest.mark.parametrize(("name", "email"), [("", ""), ("Ann", "ann@localhost"), ("A\bB", "a@b.cd")])
-def test_whom_git_does_not_know_is_to_be_filled_in(here, monkeypatch, name, email):
+def test_an_unknown_maintainer_becomes_a_placeholder(here, monkeypatch, name, email):
     assert find_maintainer() == ANN
     monkeypatch.setattr(contents, "_ask_git", {"user.name": name, "user.email": email}.__getitem__)
     assert find_maintainer() == NOBODY
 
 
 @pytest.mark.process
-def test_git_is_asked_if_there_is_one(tmp_path, monkeypatch):
+def test_git_may_be_missing(tmp_path, monkeypatch):
     (tmp_path / "gitconfig").write_text('[user]\nname = "Ann \\"A\\" <O\'Hara> & Son"\nemail = ann@example.com\n')
     monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "gitconfig"))
     monkeypatch.chdir(tmp_path)

@@ -30,7 +30,7 @@ JOY = "/joy sensor_msgs/msg/Joy"
 
 @pytest.fixture(scope="module")
 def number() -> Iterator[int]:
-    """A domain in which the nodes of the recording are."""
+    """A domain with the nodes of the recording."""
     with reserved_domain() as domain, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         with recorded_nodes() as nodes:
@@ -41,13 +41,13 @@ def number() -> Iterator[int]:
 
 @pytest.fixture
 def beside(number, tank, monkeypatch) -> None:
-    """Have the test's commands in that domain."""
+    """Run the test's commands in that domain."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
 
 
 @pytest.fixture
 def eventually(tank):
-    """Run a command until what it makes is such: a discovery may be slow on a busy machine."""
+    """Run a command until it has the expected output: discovery may be slow on a busy machine."""
 
     def eventually(form, wanted, *words):
         until(lambda: form(tank(*words)) == wanted, f"{words}: {wanted}")
@@ -56,7 +56,7 @@ def eventually(tank):
 
 
 def comparable(text: str) -> str:
-    """Hide identifiers and figures, and what Fast DDS does not tell."""
+    """Hide identifiers, figures, and whatever Fast DDS does not report."""
     if "fastrtps" in get_rmw_implementation_identifier():
         text = re.sub(r"History \(Depth\): .*", "History (Depth): *", text)
     text = re.sub(r"GID: [0-9a-f.]{47}\n", "GID: *\n", text)
@@ -111,12 +111,12 @@ def test_pub_waits_for_a_subscription(beside, tank):
         ("topic pub -r 2 /mine std_msgs/msg/String", "publishing #2: std_msgs.msg.String(data='')\n\n"),
     ],
 )
-def test_ctrl_c_ends_it_as_it_ends_ros2(beside, tank, command, said):
-    """Its exit status is 2, the number of the signal."""
+def test_ctrl_c_ends_it_like_ros2(beside, tank, command, said):
+    """Its exit status is 2, the number of SIGINT."""
     assert tank(command, once=said).status == 2
 
 
-def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
+def test_hz_with_sim_time_uses_a_node_with_sim_time(monkeypatch):
     node_thread = Mock(side_effect=TutorialError)
     monkeypatch.setattr("tutorial.ros.node_thread.NodeThread", node_thread)
     for arguments in (["hz", "/x"], ["hz", "-s", "/x"]):
@@ -126,8 +126,8 @@ def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
 
 
 @pytest.mark.process
-def test_nobody_reads_on(beside):
-    """What ``| head -1`` does: each line is in the pipe at once, and then there is no pipe."""
+def test_a_closed_pipe_ends_it(beside):
+    """As with ``| head -1``: the pipe closes after the first line."""
     words = [TANK, "topic", "echo", JOINT_STATE]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(words, env={**os.environ, "PYTHONUNBUFFERED": ""}, **pipes) as running:
@@ -144,14 +144,14 @@ def test_nobody_reads_on(beside):
         ("node list", "get_node_names_and_namespaces", RuntimeError("empty node name returned by the RMW layer")),
     ],
 )
-def test_what_a_real_ros_2_cannot_list_is_an_error_in_its_words(tank, monkeypatch, command, asked, error):
-    """While another program has a name that is no text, or none."""
+def test_an_error_of_rclpy_is_shown_in_its_words(tank, monkeypatch, command, asked, error):
+    """rclpy raises it while a different program has a name that is empty or not valid text."""
     monkeypatch.setattr(MeteredNode, asked, Mock(side_effect=error))
     run = tank(command)
     assert (run.status, f"Error: ROS 2 says: {error}\n" in run.stderr) == (1, True)
 
 
-def test_two_nodes_of_one_name(eventually):
+def test_two_nodes_with_one_name_are_listed_twice(eventually):
     listed = (
         "WARNING: Be aware that there are nodes in the graph that share an exact name, "
         "which can have unintended side effects.\n"
@@ -174,7 +174,7 @@ def test_ros_arguments_name_the_node_and_remap_its_topics(tank):
 
 
 @pytest.mark.process
-def test_help_comes_without_rclpy():
+def test_help_needs_no_rclpy():
     code = "import sys, tutorial.commands.tank; sys.exit(bool({'rclpy', 'numpy', 'mujoco'} & {*sys.modules}))"
     subprocess.run([sys.executable, "-c", code], check=True)
 
@@ -205,7 +205,7 @@ JOYS = "sensor_msgs/msg/Joy"
         ("diagnostic_msgs/msg/DiagnosticStatus", "{values: [{ky: a}]}", "'KeyValue' object has no attribute 'ky'"),
     ],
 )
-def test_what_does_not_fit(type_name, text, problem):
+def test_values_that_do_not_fit_are_refused(type_name, text, problem):
     with pytest.raises(Exception, match=re.escape(f"Failed to populate field: {problem}")):
         populated(type_name, text)
 
@@ -218,12 +218,12 @@ def test_what_does_not_fit(type_name, text, problem):
         ("diagnostic_msgs/msg/DiagnosticStatus", "{values: [{}, {key: a}]}", "KeyValue(key='a', value='')])"),
     ],
 )
-def test_what_fits(type_name, text, shown):
+def test_values_that_fit(type_name, text, shown):
     assert shown in repr(populated(type_name, text).message)
 
 
 def stamps(message):
-    """The seconds of all the stamps in a message, in order."""
+    """Return the seconds of all stamps in a message, in order."""
     return [int(found) for found in re.findall(r"Time\(sec=(\d+)", repr(message))]
 
 
@@ -254,6 +254,6 @@ def test_pub_stamps_each_message(tank):
     assert 0 <= time.time_ns() - times[0] < PATIENCE * 1e9
 
 
-def test_what_is_no_yaml():
+def test_invalid_yaml_is_refused():
     with pytest.raises(Exception, match=r"(?s)The passed value needs to be in YAML string or a dictionary\n.*line 1"):
         populated("std_msgs/msg/String", "{data: [")

@@ -1,4 +1,4 @@
-"""What a beginner would mistype, and how a run ends: a clear error, the right status, and never a traceback."""
+"""A beginner's mistakes, and the end of a run: a clear error, the right status, and never a traceback."""
 
 import signal
 
@@ -64,8 +64,8 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.process
-def test_ctrl_c_while_the_program_is_loading_just_ends_it(program, tmp_path):
-    """A module that is being imported may make an error of its own of a KeyboardInterrupt, as numpy does."""
+def test_ctrl_c_while_loading_ends_the_program(program, tmp_path):
+    """A module may turn a KeyboardInterrupt during its import into its own error, as numpy does."""
     path = tmp_path / "slow.launch.py"
     path.write_text(SLOW)
     running = program("launch", path)
@@ -83,12 +83,12 @@ def test_ctrl_c_while_the_program_is_loading_just_ends_it(program, tmp_path):
         ("joy --duration 300", 130, "no gamepad is connected; scripted drive: tour.yaml\n"),
     ],
 )
-def test_ctrl_c_is_an_interruption_only_of_what_has_a_duration(tank, monkeypatch, command, status, once):
+def test_ctrl_c_interrupts_only_a_run_with_a_duration(tank, monkeypatch, command, status, once):
     monkeypatch.setattr("tutorial.commands.joystick.Gamepad.find", lambda: None)
     assert tank(command, once=once).status == status
 
 
-def test_a_run_is_kept_as_a_page_also_without_a_view_and_when_it_is_interrupted(tank, tmp_path):
+def test_an_interrupted_headless_run_is_saved_as_a_page(tank, tmp_path):
     page = tmp_path / "run.html"
     run = tank("run step2 --headless --html", page, once="+ Simulator")
     assert run.status == 0
@@ -96,7 +96,7 @@ def test_a_run_is_kept_as_a_page_also_without_a_view_and_when_it_is_interrupted(
 
 
 @pytest.mark.parametrize("given", ["Crane", find_model("crane")])
-def test_a_robots_description_is_what_the_controller_publishes(tank, given):
+def test_urdf_prints_what_the_controller_publishes(tank, given):
     assert tank("urdf", given).stdout == robot_description(Body.displayed(Placement("Crane", find_model("crane"))))
 
 

@@ -1,4 +1,4 @@
-"""How commands end: the first Ctrl-C or SIGTERM asks, the second ends all at once, whatever the main thread does."""
+"""How commands end: the first Ctrl-C or SIGTERM asks, the second ends all at once, even if the main thread is stuck."""
 
 import io
 import logging
@@ -21,10 +21,10 @@ class JointStateSubscriber(SimpleController):
         print('stuck', flush=True)
         mujoco.mj_step(model, mujoco.MjData(model), nstep=2**31 - 1)
 """
-"""In C."""
+"""Blocks in C code."""
 
 
-def test_what_the_terminal_has_no_characters_for_is_an_escape(monkeypatch):
+def test_unsupported_characters_are_escaped(monkeypatch):
     written = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, "latin-1"))
     prepare_output()
@@ -32,7 +32,7 @@ def test_what_the_terminal_has_no_characters_for_is_an_escape(monkeypatch):
     assert written.getvalue() == b"\\u6226\\u8eca \xe9\\x1b\n"
 
 
-def test_a_log_line_is_printed_as_everything_else(capsys, monkeypatch):
+def test_a_log_line_is_escaped_like_all_output(capsys, monkeypatch):
     monkeypatch.setattr(logging.root, "handlers", [])
     monkeypatch.setattr(logging.root, "level", logging.root.level)
     prepare_output()
@@ -43,7 +43,7 @@ def test_a_log_line_is_printed_as_everything_else(capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(("heard", "status"), [([9, INT, TERM], 143), ([TERM, 9, INT], 130)])
-def test_the_first_signal_asks_and_the_second_ends_it_at_once(monkeypatch, heard, status):
+def test_the_first_signal_asks_and_the_second_ends(monkeypatch, heard, status):
     happened = []
 
     def fail(what):
@@ -57,18 +57,18 @@ def test_the_first_signal_asks_and_the_second_ends_it_at_once(monkeypatch, heard
 
 
 @pytest.mark.parametrize(("before", "heeded"), [(signal.SIG_DFL, [INT, TERM, HUP]), (signal.SIG_IGN, [INT, TERM])])
-def test_a_closed_terminal_asks_unless_nohup_was_there_before(monkeypatch, before, heeded):
+def test_a_closed_terminal_asks_unless_nohup_is_set(monkeypatch, before, heeded):
     monkeypatch.setattr(signal, "getsignal", lambda _: before)
     assert terminal._heeded() == heeded
 
 
 @pytest.mark.process
-def test_the_second_signal_ends_a_run_whose_main_thread_is_stuck(program, tmp_path):
+def test_a_second_signal_ends_a_stuck_run(program, tmp_path):
     path = tmp_path / "mine.py"
     path.write_text(STUCK)
     running = program("run", "step3", "--headless", "--controller", path)
     running.says("stuck")
     for number in (TERM, INT):
         running.process.send_signal(number)
-    assert running.ends() in (128 + INT, 128 + TERM)  # whichever is heard last
+    assert running.ends() in (128 + INT, 128 + TERM)  # whichever arrives last
     running.leaves_nothing()

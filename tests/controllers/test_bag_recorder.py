@@ -1,4 +1,4 @@
-"""Step 8's controller: what is published of the body is in the bag, and a slow disk holds up nobody."""
+"""Step 8's controller: the bag has all published messages, and a slow disk blocks no callback."""
 
 import threading
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ PAYLOAD = serialize_message(JointState(name=["TURRET_Y"], position=[0.5]))
 
 
 class Silent(Node):
-    """A node on which nothing arrives; its clock has stopped."""
+    """A node that receives nothing; its clock has stopped."""
 
     resolve_topic_name = "/{}".format
 
@@ -31,7 +31,7 @@ def recorder(tmp_path, monkeypatch):
     return controller
 
 
-def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypatch):
+def test_a_slow_disk_blocks_no_callback_and_loses_nothing(recorder, monkeypatch):
     answers, written = threading.Event(), []
     write = recorder.bag.write
 
@@ -43,7 +43,7 @@ def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypa
     monkeypatch.setattr(recorder.bag, "write", slowly)
     payloads = [serialize_message(JointState(position=[float(i)])) for i in range(50)]
     for payload in payloads:
-        recorder.on_joint_state(payload)  # it returns, or this test never ends
+        recorder.on_joint_state(payload)  # if this blocks, the test never ends
     assert not written
     answers.set()
     recorder.unconfigure()
@@ -55,7 +55,7 @@ def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypa
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_when_the_disk_is_full_nothing_piles_up(recorder, monkeypatch):
+def test_a_full_disk_does_not_fill_the_queue(recorder, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 

@@ -1,4 +1,4 @@
-"""What the tank publishes of its camera."""
+"""Step 6's controller: the images that the tank publishes."""
 
 import threading
 from dataclasses import replace
@@ -19,7 +19,7 @@ from tutorial.world import Placement
 
 @pytest.fixture
 def project(domain, tmp_path):
-    """The tank of step 6, with nothing but its camera, before a red block."""
+    """The tank of step 6, with only its camera, in front of a red block."""
     need_pictures()
     loaded = Project.load(find_project("step6")).with_controllers("Tank", CameraPublisher)
     block = Placement("Block", red_block(tmp_path), position=(-2.5, -0.5, 0.35))
@@ -28,13 +28,13 @@ def project(domain, tmp_path):
 
 
 def ear(host):
-    """(what is heard of the camera, the subscription)"""
+    """The received images, and the subscription."""
     heard = []
     return heard, host.node.create_subscription(Image, "/Tank/camera/image", heard.append, 30)
 
 
 @in_a_loop
-async def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(project):
+async def test_images_arrive_in_lockstep_ten_times_a_second(project):
     async with Host(project) as host:
         heard, subscription = ear(host)
         await until(subscription.get_publisher_count)
@@ -53,7 +53,7 @@ async def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(pr
 
 
 @in_a_loop
-async def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(project):
+async def test_deleting_the_tank_while_it_takes_images_leaves_nothing(project):
     async with Host(project) as host:
         heard, _ = ear(host)
         host.simulation.start()
@@ -67,7 +67,7 @@ async def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(pr
 
 
 @in_a_loop
-async def test_what_a_receiver_of_pictures_raises_is_the_programs_error(project):
+async def test_an_error_in_the_cameras_callback_is_the_programs_error(project):
     class Broken(CameraPublisher):
         def publish(self, pixels, time_ns):
             raise ZeroDivisionError

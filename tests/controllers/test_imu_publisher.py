@@ -1,4 +1,4 @@
-"""What the tank publishes of its sensors."""
+"""Step 4's controller: the measurements that the tank publishes."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tutorial.system.paths import HOME
 
 
 class Recorder(SimpleController):
-    """Turns on the spot, and notes what the sensors say before every step."""
+    """Turns on the spot, and records the sensors before every step."""
 
     def initialize(self, io):
         self.sensors = io.body.sensor("ACCEL_SENSOR"), io.body.sensor("GYRO")
@@ -24,7 +24,7 @@ class Recorder(SimpleController):
 
 @pytest.fixture
 def tank():
-    """(what takes notes, the messages, the simulation)"""
+    """The recorder, the messages, and the simulation."""
     recorder = Recorder()
     placements = [item.placement for item in Project.load(HOME / "project" / "step4.yaml").bodies]
     node, simulation = on_course(ImuPublisher(), placements, time_step=0.002, controllers=[recorder])
@@ -35,7 +35,7 @@ def numbers(vector):
     return vector.x, vector.y, vector.z
 
 
-def test_each_message_is_the_mean_of_the_steps_since_the_one_before(tank):
+def test_each_message_is_the_mean_since_the_previous_one(tank):
     recorder, sent, simulation = tank
     simulation.advance(1.002)
     samples = np.array(recorder.samples)
@@ -46,13 +46,13 @@ def test_each_message_is_the_mean_of_the_steps_since_the_one_before(tank):
         assert numbers(message.angular_velocity) == pytest.approx(velocity, abs=1e-12)
     assert message.header.frame_id == "Tank/GYRO"
     o = message.orientation
-    assert (o.x, o.y, o.z, o.w) == (0.0, 0.0, 0.0, 0.0), "it is not measured"
+    assert (o.x, o.y, o.z, o.w) == (0.0, 0.0, 0.0, 0.0), "the orientation is not measured"
     assert message.orientation_covariance.tolist() == [-1.0] + [0.0] * 8
     assert not message.linear_acceleration_covariance.any()
     assert not message.angular_velocity_covariance.any()
 
 
-def test_it_begins_anew_when_the_simulation_does(tank):
+def test_it_restarts_with_the_simulation(tank):
     recorder, sent, simulation = tank
     simulation.advance(0.12)
     simulation.stop()

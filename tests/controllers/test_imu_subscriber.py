@@ -1,4 +1,4 @@
-"""Step 5's controller: what is measured is shown, and a blow shakes the body, which then stands where it stood."""
+"""Step 5's controller: it shows the measurements, and a blow shakes the body, which ends where it was."""
 
 import math
 
@@ -15,7 +15,7 @@ from tutorial.controllers.imu_subscriber import ImuSubscriber
 from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
-PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # numbers that + and - do not bring back
+PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # adding and subtracting an offset does not give these numbers exactly back
 
 
 def imu(x=0.0, y=0.0, z=9.8, turn=0.0):
@@ -26,7 +26,7 @@ def imu(x=0.0, y=0.0, z=9.8, turn=0.0):
 
 
 class Viewer:
-    """A controller on a displayed body, on an event loop whose clock stands still."""
+    """A controller on a displayed body, on an event loop whose clock only the test moves."""
 
     def __init__(self, model):
         self.loop, self.node = ClockedLoop(Trial(ImuSubscriber)), Node()
@@ -56,7 +56,7 @@ def viewer(request):
     viewer.loop.close()
 
 
-def test_it_writes_down_what_is_measured(viewer):
+def test_it_shows_the_measurements(viewer):
     assert viewer.node.topics == ["Robot/imu"]
     assert viewer.hear(imu(1.0, 2.0, 3.0, turn=0.5))
     assert viewer.body.sensor("ACCEL_SENSOR").value.tolist() == [1.0, 2.0, 3.0]
@@ -65,7 +65,7 @@ def test_it_writes_down_what_is_measured(viewer):
 
 
 @pytest.mark.parametrize("acceleration", [(20.0, 0.0), (-14.0, 14.0), (0.0, 0.0, 1e9), (math.nan, 3.0)])
-def test_what_is_no_blow_does_not_shake(viewer, acceleration):
+def test_weak_accelerations_do_not_shake(viewer, acceleration):
     assert viewer.hear(imu(*acceleration))
     assert not viewer.loop.timers
 
@@ -79,12 +79,12 @@ def test_a_blow_shakes_for_half_a_second(viewer, acceleration):
     assert viewer.stands
     assert not viewer.loop.timers
     off = np.array(viewer.places[1:-1]) - PLACE
-    assert len(off) in (25, 26)  # every 20 ms
+    assert len(off) in (25, 26)  # one every 20 ms
     assert (abs(off) <= 0.02 + 1e-12).all()
     assert (abs(off).max(axis=0) > 0.01).all()
 
 
-def test_a_new_blow_shakes_for_longer_about_the_same_place(viewer):
+def test_a_second_blow_prolongs_the_shake_around_the_same_place(viewer):
     viewer.hear(imu(30.0))
     viewer.loop.advance(0.375)
     viewer.hear(imu(0.0, 30.0))
@@ -97,7 +97,7 @@ def test_a_new_blow_shakes_for_longer_about_the_same_place(viewer):
 
 
 @pytest.mark.parametrize("blows", [0, 1, 2])
-def test_when_it_leaves_there_is_no_timer_and_the_body_stands(viewer, blows):
+def test_leaving_cancels_the_timer_and_restores_the_body(viewer, blows):
     for _ in range(blows):
         viewer.hear(imu(30.0))
         viewer.loop.advance(0.0625)

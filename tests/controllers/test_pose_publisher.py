@@ -1,4 +1,4 @@
-"""Where the tank publishes that it is, and how it moves."""
+"""Step 7's publisher: the tank's pose and velocity."""
 
 from copy import copy
 
@@ -16,13 +16,13 @@ from tutorial.system.paths import find_project
 
 
 class Tracks(SimpleController):
-    """A turn to the left while it drives."""
+    """Drives and turns to the left."""
 
     def initialize(self, io):
         io.body.actuator("TRACK_L").ctrl, io.body.actuator("TRACK_R").ctrl = 0.5, 1.5
 
 
-def test_it_says_50_times_a_second_twice_where_the_root_is_and_how_it_moves():
+def test_it_publishes_pose_and_velocity_50_times_a_second():
     placements = [item.placement for item in Project.load(find_project("step7")).bodies]
     node, simulation = on_course(PosePublisher(), placements, time_step=0.002, controllers=[Tracks()])
     simulation.advance(1.02)

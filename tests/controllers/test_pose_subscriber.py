@@ -1,4 +1,4 @@
-"""Step 7's viewer: pose and joints of one moment together, or not at all."""
+"""Step 7's viewer: it shows pose and joints of the same stamp together, or not at all."""
 
 import math
 
@@ -19,7 +19,7 @@ from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
 PLACE = (1.0, 2.0, 3.0)
-LEFT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # w first: a quarter of a turn
+LEFT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # w first: a quarter turn
 TILTED = tuple(number / math.sqrt(30) for number in (1, 2, 3, 4))
 
 
@@ -76,11 +76,11 @@ def viewer():
     return Viewer(Node())
 
 
-def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(viewer):
+def test_pose_and_joints_of_one_stamp_are_shown_together(viewer):
     assert viewer.node.topics == ["Robot/joint_state", "/tf"]
     assert viewer.hear(joint_state(20, 0.25)) == (1.0, 0.0)
     assert viewer.hear(transform(20, 5.0, LEFT)) == (5.0, 0.25)
-    tilted = transform(40, 6.0, 1.004 * np.array(TILTED))  # a little too long a quaternion
+    tilted = transform(40, 6.0, 1.004 * np.array(TILTED))  # this quaternion is slightly too long
     tilted.transform.translation.y, tilted.transform.translation.z = 7.0, 8.0
     assert viewer.hear(tilted) == (5.0, 0.25)
     assert viewer.hear(joint_state(40, 0.5)) == (6.0, 0.5)
@@ -88,7 +88,7 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
     assert viewer.body.data.xquat[1] == pytest.approx(TILTED)
     assert np.linalg.det(viewer.body.data.xmat[1].reshape(3, 3)) == pytest.approx(1.0)
     assert list(map(str, viewer.reports)) == ["1 joint shown"] * 2
-    assert viewer.hear(joint_state(30, 0.25), transform(30, 4.0)) == (6.0, 0.5), "what is late moves nothing"
+    assert viewer.hear(joint_state(30, 0.25), transform(30, 4.0)) == (6.0, 0.5), "a late message moves nothing"
     assert viewer.reports[-1].arrival is Arrival.LATE
     assert viewer.left_out == {}
     viewer.controller.unconfigure()
@@ -96,38 +96,38 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
 
 
 class Eager(Node):
-    """A node on which a message comes as soon as it listens."""
+    """A node that delivers a message as soon as a subscription exists."""
 
     def create_subscription(self, kind, topic, callback, depth, raw=False):
         callback(joint_state(20) if kind is JointState else TFMessage(transforms=[transform(20)]))
         return super().create_subscription(kind, topic, callback, depth)
 
 
-def test_messages_may_come_as_soon_as_it_listens():
+def test_messages_may_arrive_during_configure():
     viewer = Viewer(Eager())
     viewer.run_calls()
     assert viewer.controller.tally.shown == 1
 
 
 @pytest.mark.parametrize("missing", [joint_state, transform])
-def test_a_message_whose_partner_is_missing_is_never_shown_but_counted(viewer, missing):
+def test_a_message_without_a_partner_is_only_counted(viewer, missing):
     viewer.hear(transform(20, 5.0), joint_state(20, 0.25))
     other = transform if missing is joint_state else joint_state
     assert viewer.hear(other(40, 0.75)) == (5.0, 0.25)
     assert viewer.hear(transform(60, 6.0), joint_state(60, 0.5)) == (6.0, 0.5)
     assert viewer.left_out == {ALONE: 1}
-    assert viewer.hear(missing(40, 0.125)) == (6.0, 0.5), "its partner comes too late"
+    assert viewer.hear(missing(40, 0.125)) == (6.0, 0.5), "its partner is too late"
     assert len(viewer.reports) == 2
     assert viewer.node.said == [f"Robot: messages not shown so far: 1 {ALONE}"]
 
 
-def test_what_came_before_both_topics_were_heard_is_nothing_to_complain_about(viewer):
+def test_messages_before_both_topics_arrive_are_not_reported(viewer):
     viewer.hear(*(joint_state(20 * i) for i in range(5)), transform(80, 5.0))
     assert len(viewer.reports) == 1
     assert viewer.node.said == []
 
 
-def test_joints_without_any_pose_are_not_shown_and_do_not_pile_up(viewer):
+def test_joints_without_poses_are_not_shown_and_do_not_pile_up(viewer):
     viewer.hear(*(joint_state(20 * i, 0.1) for i in range(2 * MOST_WAITING)))
     assert viewer.node.said == []
     viewer.hear(*(joint_state(20 * i, 0.1) for i in range(2 * MOST_WAITING, 500)))
@@ -137,7 +137,7 @@ def test_joints_without_any_pose_are_not_shown_and_do_not_pile_up(viewer):
     assert not viewer.reports
 
 
-def test_a_publisher_that_was_started_again_is_shown_at_once(viewer):
+def test_a_restarted_publisher_is_shown_at_once(viewer):
     for i in range(1000, 1010):
         viewer.hear(joint_state(20 * i, 0.25), transform(20 * i, 5.0))
     viewer.hear(*(joint_state(20 * i, 0.75) for i in range(1010, 1050)))  # the transforms stop earlier
@@ -147,7 +147,7 @@ def test_a_publisher_that_was_started_again_is_shown_at_once(viewer):
     assert viewer.left_out == {ALONE: 40}
 
 
-def test_of_two_publishers_one_is_followed_with_its_pose(viewer):
+def test_it_follows_one_of_two_publishers_with_its_pose(viewer):
     viewer.node.publishers = 2
     for i in range(10):
         first, second = 100_000 + 20 * i, 3_000 + 20 * i
@@ -157,7 +157,7 @@ def test_of_two_publishers_one_is_followed_with_its_pose(viewer):
     assert viewer.left_out == {}
 
 
-def test_messages_that_nobody_stamps_are_no_pairs_and_of_two_of_one_stamp_the_last_is_shown(viewer):
+def test_unstamped_messages_do_not_pair_and_the_last_of_a_stamp_wins(viewer):
     assert viewer.hear(joint_state(0, 0.5), transform(0, 5.0)) == (5.0, 0.5)
     assert viewer.hear(joint_state(0, 0.75), transform(0, 6.0), transform(0, 7.0)) == (5.0, 0.5)
     assert viewer.left_out == {REPEATED: 3}
@@ -173,7 +173,7 @@ def test_messages_that_nobody_stamps_are_no_pairs_and_of_two_of_one_stamp_the_la
         *(("no unit quaternion", transform(20, 5.0, (w, x, 0, 0))) for w, x in ((0, 0), (1, math.nan), (1, 0.2))),
     ],
 )
-def test_what_is_no_pose_is_never_shown_but_counted(viewer, why, message):
+def test_an_invalid_pose_is_only_counted(viewer, why, message):
     assert viewer.hear(message, joint_state(20, 0.5)) == (1.0, 0.0)
     assert not viewer.reports
     assert viewer.hear(transform(40, 5.0), joint_state(40, 0.5)) == (5.0, 0.5)
@@ -186,7 +186,7 @@ LARGE = [JointState(name=[""] * 100_001), JointState(name=["A" * 100_000], posit
 
 
 @pytest.mark.parametrize("message", LARGE)
-def test_what_is_too_large_is_not_kept(viewer, message):
+def test_a_message_that_is_too_large_does_not_wait(viewer, message):
     viewer.hear(stamped(message, 20), transform(20, 5.0))
     assert viewer.left_out == {"with more joints than a robot has": 1}
     assert list(viewer.controller.pairs.waiting.values()) == [{"pose": transform(20, 5.0)}]
@@ -204,7 +204,7 @@ STREAMS = "joints", "pose"
 
 
 @given(st.lists(st.tuples(st.sampled_from(STREAMS), st.integers(0, 12)), max_size=60))
-def test_a_pair_is_of_one_stamp_and_each_message_is_in_a_pair_waits_or_is_left_out(arrivals):
+def test_each_message_is_paired_waits_or_is_left_out(arrivals):
     left_out, paired = [], 0
     pairs = StampPairs(left_out.append)
     for count, (stream, at) in enumerate(arrivals, 1):
@@ -219,7 +219,7 @@ def test_a_pair_is_of_one_stamp_and_each_message_is_in_a_pair_waits_or_is_left_o
 
 
 @given(st.lists(st.tuples(st.sampled_from(STREAMS), st.integers(1, 60)), max_size=10))
-def test_two_streams_in_order_lose_nothing_however_they_are_interleaved(runs):
+def test_interleaving_two_ordered_streams_loses_nothing(runs):
     left_out, found, sent = [], [], dict.fromkeys(STREAMS, 0)
     pairs = StampPairs(left_out.append)
     for turn in (stream for stream, length in runs for _ in range(length)):

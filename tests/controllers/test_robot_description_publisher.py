@@ -1,4 +1,4 @@
-"""The robot description on its topic: it was sent before anybody listened, and everybody gets it."""
+"""The robot description: every subscriber gets it, although it was sent earlier."""
 
 from loops import in_a_loop, until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -15,7 +15,7 @@ TOPIC = "/Tank/robot_description"
 
 
 @in_a_loop
-async def test_whoever_subscribes_later_gets_it_once_until_the_robot_goes(domain):
+async def test_a_late_subscriber_gets_it_once_until_the_robot_is_removed(domain):
     project = Project.load(find_project("step3")).with_controllers("Tank", RobotDescriptionPublisher)
     kept = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     received = []

@@ -1,4 +1,4 @@
-"""Step 1's controller: whatever comes on ``/joy``, the sticks are four numbers from -1 to 1."""
+"""Step 1's controller: for every message on ``/joy``, the sticks are four numbers from -1 to 1."""
 
 import math
 from types import SimpleNamespace
@@ -11,7 +11,7 @@ from tutorial.ros.node_thread import NodeThread
 
 
 class Million(list):
-    """So many axes that nobody may look through all of them."""
+    """A list that pretends to have so many axes that reading all of them would take too long."""
 
     __iter__ = None
 
@@ -30,13 +30,13 @@ def test_sticks_are_four_numbers_from_minus_one_to_one(axes, expected):
     assert sticks(Joy(axes=axes)) == expected
 
 
-def test_of_a_million_axes_nobody_looks_at_more_than_there_are_sticks():
+def test_surplus_axes_are_not_read():
     message = SimpleNamespace(axes=Million([0.5, -0.5, 0.25, 1.0] * 250_000))
     assert sticks(message) == (0.5, -0.5, 0.25, 1.0)
     complain(None, message)
 
 
-def test_what_no_stick_can_do_is_said_once(domain, capfd):
+def test_impossible_axes_are_reported_once(domain, capfd):
     with NodeThread("tester") as thread:
         for odd in (math.nan, 7.0, -math.inf):
             for _ in range(100):

@@ -1,4 +1,4 @@
-"""Running any cell twice does no harm: every notebook in a kernel of its own, without a page."""
+"""Running a cell twice does no harm: run every notebook in its own kernel, without a page."""
 
 import shutil
 
@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(400)]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_all_cells_run_and_then_each_twice_in_a_row_without_an_error(path, domain, tmp_path, monkeypatch):
+def test_every_cell_runs_twice_in_a_row(path, domain, tmp_path, monkeypatch):
     if "camera" in path.stem:
         need_pictures()
     for part in ("notebooks", "project", "launch_py"):

@@ -1,4 +1,4 @@
-"""A class on one machine: a real JupyterHub, where each student has a private temporary folder."""
+"""A class on one machine: a real JupyterHub whose students have private temporary folders."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,7 +14,7 @@ pytestmark = [
 ]
 
 
-def test_five_students_run_notebook_1_to_its_tank_and_none_hears_another(tmp_path):
+def test_five_students_run_notebook_1_and_do_not_hear_each_other(tmp_path):
     before, _ = cells()
 
     def attend(name):

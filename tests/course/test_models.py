@@ -1,4 +1,4 @@
-"""What the models must do, as physics: no number in them is tuned towards a number here."""
+"""The physics that the models have to show. No number in the models was tuned to pass these tests."""
 
 import math
 from pathlib import Path
@@ -21,7 +21,7 @@ LOOK_EVERY = 0.005  # [s]
 
 
 class Drive(Simulation):
-    """The tank in the laboratory, with the controller of step 1."""
+    """The tank in the laboratory, with step 1's controller."""
 
     def __init__(self, position=START, heading_deg=0.0, *more):
         half = math.radians(heading_deg) / 2
@@ -34,11 +34,11 @@ class Drive(Simulation):
         self.steepest = 0.0
 
     def drive(self, seconds, v=0.0, h=0.0):
-        """Hold the left stick at (v, h); the turret's reference stays where it is."""
+        """Hold the left stick at (v, h); the turret's reference stays."""
         self.controller.joy.put(Joy(axes=[h, v]))
         for _ in range(round(seconds / LOOK_EVERY)):
             self.advance(LOOK_EVERY)
-            self.steepest = max(self.steepest, math.acos(min(1.0, self.chassis.xmat[8])))  # from upright [rad]
+            self.steepest = max(self.steepest, math.acos(min(1.0, self.chassis.xmat[8])))  # angle from upright [rad]
         return self
 
     @property
@@ -54,8 +54,8 @@ class Drive(Simulation):
 
 
 @pytest.mark.parametrize(("file", "moves"), [("tank.xml", True), ("labo.xml", False), ("crane.xml", True)])
-def test_each_file_compiles_alone_without_a_warning_and_can_be_drawn(file, moves, tmp_path, monkeypatch, capfd):
-    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its warnings to a file
+def test_each_file_compiles_without_a_warning_and_can_be_drawn(file, moves, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file here
     model = mujoco.MjModel.from_xml_path(str(MODELS / file))
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 100)
@@ -89,7 +89,7 @@ def test_the_tank_is_the_originals():
 # ------------------------------------------------------------------------------------------------- at rest
 
 
-def test_rest_pose_and_effort_are_those_the_original_prints_and_the_tank_stays_there():
+def test_rest_pose_and_effort_match_the_original():
     drive = Drive().drive(2)
     yaw, pitch = drive.turret
     assert pitch.position == pytest.approx(-0.00979, rel=0.01)
@@ -123,7 +123,7 @@ def test_on_the_spot(h):
     turned = np.unwrap(headings)[-1] - headings[0]
     assert np.linalg.norm((drive.position - before)[:2]) < 0.1
     assert turned * h > 0, "positive h is to the left"
-    # The tracks are 0.44 m apart: without slip it would turn by 2 |h| / 0.44 m each second. A tank slips.
+    # The tracks are 0.44 m apart, so without slip it would turn by 2 |h| / 0.44 m each second. A tank slips.
     without_slip = 2 * abs(h) / 0.44 * 2
     assert 0.25 * without_slip < abs(turned) < without_slip
 
@@ -146,7 +146,7 @@ def test_full_speed_into_a_wall_for_5_s_does_not_climb(position, heading, v):
 
 @pytest.mark.parametrize("friction", [0.2, 1.0])
 @pytest.mark.parametrize("x", [-0.2, 0.3])
-def test_a_wall_that_a_learner_adds_is_not_climbed_either(x, friction, tmp_path):
+def test_it_does_not_climb_a_wall_that_a_learner_adds(x, friction, tmp_path):
     wall = tmp_path / "wall.xml"
     wall.write_text(
         "<mujoco><worldbody><body>"
@@ -160,7 +160,7 @@ def test_a_wall_that_a_learner_adds_is_not_climbed_either(x, friction, tmp_path)
 
 @pytest.mark.parametrize("v", [1.0, 0.5])
 def test_straight_ahead_from_the_start_the_rail_lifts_the_barrel(v):
-    """The drive that shows it: from the start pose straight ahead, until the tracks meet the wall below."""
+    """The course's demonstration: drive straight ahead from the start pose until the tracks meet the wall."""
     drive = Drive().drive(1.5)
     barrel = drive.turret[1]
     rest = barrel.position

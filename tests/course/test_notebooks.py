@@ -1,4 +1,4 @@
-"""What comparing the outputs leaves open: nbval passes cells that never ran, images, and cells without end."""
+"""Checks that nbval leaves out: it accepts cells that never ran, images, and unfinished cells."""
 
 import ast
 import re
@@ -16,7 +16,7 @@ from tutorial.system.paths import HOME
 
 
 def teaches(notebook, module):
-    """Whether a notebook is about a controller: it has its name, or the beginning of it where there are two."""
+    """Return whether a notebook teaches a controller: it has the controller's name, or the common prefix of two."""
     return f"{module.stem}_".startswith(f"{notebook.stem[2:]}_")
 
 
@@ -40,7 +40,7 @@ def test_there_is_a_notebook_for_each_controller():
     assert [path for path in NOTEBOOKS if not any(teaches(path, module) for module in FILES)] == NOTEBOOKS[:1]
 
 
-def test_its_outputs_are_of_one_run_from_the_top_and_of_no_machine(notebook):
+def test_outputs_come_from_one_complete_run(notebook):
     nbformat.validate(notebook)
     cells = code_cells(notebook)
     assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
@@ -51,12 +51,12 @@ def test_its_outputs_are_of_one_run_from_the_top_and_of_no_machine(notebook):
         for output in cell.outputs:
             assert output.output_type != "error", cell.source
             assert output.get("name") != "stderr" or cell.metadata.get("reason"), cell.source
-            kinds = output.get("data", {})  # JupyterLab shows an error in the place of a widget whose kernel is gone
+            kinds = output.get("data", {})  # JupyterLab shows an error in place of a widget without a kernel
             assert "application/vnd.jupyter.widget-view+json" not in kinds, cell.source
             assert all(output.metadata.get(kind, {}).get("alt") for kind in kinds if kind.startswith("image/"))
 
 
-def test_nothing_is_left_out_of_the_comparison_without_a_reason(notebook):
+def test_skipping_a_comparison_needs_a_reason(notebook):
     for cell in code_cells(notebook):
         tags = set(cell.metadata.get("tags", []))
         assert tags <= {"nbval-ignore-output"}, cell.source
@@ -69,7 +69,7 @@ def test_the_last_cell_closes_everything(notebook):
 
 @pytest.mark.parametrize(("notebook_file", "module"), LESSONS, ids=[module.stem for _, module in LESSONS])
 def test_the_librarys_controller_is_the_notebooks_code(notebook_file, module):
-    """But for docstrings, annotations and comments."""
+    """Docstrings, annotations and comments may differ."""
     written = {}
     for cell in code_cells(nbformat.read(notebook_file, as_version=4)):
         written.update(definitions(cell.source))
@@ -80,7 +80,7 @@ def test_the_librarys_controller_is_the_notebooks_code(notebook_file, module):
 
 
 def definitions(source):
-    """Name and code of all classes, functions and constants that a text defines."""
+    """Return the name and code of every class, function and constant that a text defines."""
     found = {}
     for node in Bare().visit(ast.parse(source, type_comments=False)).body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef):
@@ -91,7 +91,7 @@ def definitions(source):
 
 
 class Bare(ast.NodeTransformer):
-    """Takes away what a reader of the notebook is spared."""
+    """Removes the parts that the notebooks leave out."""
 
     def visit_FunctionDef(self, node):
         node.returns = None
@@ -115,7 +115,7 @@ ASKED = [each for those in exercises().values() for each in those]
 CONTROLLERS_ASKED = [each.name for each in ASKED if SimpleController in getattr(each.right_answer, "__mro__", ())]
 
 
-def test_what_answers_an_exercise_is_folded(notebook):
+def test_answers_to_exercises_are_folded(notebook):
     asked = any(f"await {name}.check(" in cell.source for name in CONTROLLERS_ASKED for cell in notebook.cells)
     answers = ["class AimedJoint:", "class Shaker:", "class StampPairs:", "if isfinite(axis)"]
     answers += [f"class {name}(" for name in OWN if asked]

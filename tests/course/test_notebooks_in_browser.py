@@ -1,4 +1,4 @@
-"""The notebooks as a learner has them: in JupyterLab, in a browser, run from the top to the end."""
+"""The notebooks in JupyterLab in a browser, run from the top to the end."""
 
 import pytest
 from browser import AS_WITHOUT
@@ -23,7 +23,7 @@ def desk(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", [path.name for path in LONGEST_FIRST])
-def test_all_cells_run_without_an_error_or_a_complaint(desk, name):
+def test_all_cells_run_without_an_error_or_a_warning(desk, name):
     async def main():
         notebook = await desk.lab.open(desk.page, f"notebooks/{name}")
         await notebook.run_all()

@@ -1,4 +1,4 @@
-"""The notebooks' scripts, as programs of their own: until Ctrl-C they do what their pages say."""
+"""The notebooks' scripts as separate programs, which run until Ctrl-C."""
 
 import asyncio
 import signal
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.process
 
 @contextmanager
 def script(*arguments):
-    """Run a script, and end it as Ctrl-C does, which it takes without a complaint."""
+    """Run a script, and stop it with Ctrl-C, which must not print an error."""
     command = [sys.executable, *arguments]
     with subprocess.Popen(command, cwd=HOME / "notebooks", stderr=subprocess.PIPE, text=True) as running:
         try:
@@ -53,9 +53,9 @@ FRAMES = "step7", "[frames]: the radar is 0.41 m above the floor\n"
     ("arguments", "project", "line"),
     [(["listener.py"], *LISTENER), (WITH_THE_COURSE, *LISTENER), (["frames.py"], *FRAMES)],
 )
-def test_a_node_without_the_course_says_what_it_hears(domain, backend, arguments, project, line):
+def test_a_node_without_the_course_logs_what_it_hears(domain, backend, arguments, project, line):
     if backend == "pocket" and arguments != WITH_THE_COURSE:
-        pytest.skip("it takes an installed ROS 2 to run it as it is")
+        pytest.skip("running it unchanged needs an installed ROS 2")
 
     async def scenario(node):
         async with Host(Project.load(find_project(project))) as host:

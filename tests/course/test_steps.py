@@ -13,7 +13,7 @@ from tutorial.system.paths import HOME, find_project
 
 
 @in_a_loop
-async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows_it(domain):
+async def test_rail_and_stick_move_the_turret_in_both_programs(domain):
     step2, step3 = (Project.load(find_project(step)) for step in ("step2", "step3"))
     async with Host(step2) as simulation, Host(step3, ["--ros-args", "-r", "__node:=viewer"]) as viewer:
         joystick = viewer.node.create_publisher(Joy, "/joy", 1)
@@ -22,7 +22,7 @@ async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows
                 await until(end.get_subscription_count if hasattr(end, "publish") else end.get_publisher_count)
 
         async def drive(seconds, *axes):
-            """Hold the sticks for so many seconds."""
+            """Hold the sticks for some seconds."""
             joystick.publish(Joy(axes=axes))
             held = simulation.controllers["TankController"].joy
             await until(lambda: list(held.get().axes) == list(axes))
@@ -31,7 +31,7 @@ async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows
         tank = simulation.simulation.bodies["Tank"]
         await drive(1.0, 0.0, 0.0, 0.0, 0.0)
         at_rest = tank.joint("TURRET_P").position
-        await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # ahead, and nothing for the turret
+        await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # ahead, without moving the turret
         assert tank.joint("TURRET_P").position - at_rest > 0.01
         await until(lambda: viewer.record()["joints"] == simulation.record()["joints"])
         shown = viewer.record()
@@ -51,7 +51,7 @@ async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows
 
 
 @in_a_loop
-async def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
+async def test_two_nodes_of_one_name_are_reported(domain, caplog):
     step3 = Project.load(find_project("step3"))
     async with Host(step3) as first, Host(step3):
         await until(lambda: first.refresh() or "there are 2 nodes of the name /tank" in caplog.text)
@@ -59,7 +59,7 @@ async def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
 
 
 @pytest.mark.parametrize("path", sorted((HOME / "launch_py").glob("*.launch.py")), ids=lambda path: path.name)
-def test_the_programs_of_a_launch_file_have_projects(path):
+def test_a_launch_files_programs_have_projects(path):
     commands = [process.cmd for process in load_launch_file(path)]
     assert [command[:2] for command in commands][:2] == [["tank", "joy"], ["tank", "run"]]
     assert all(Project.load(find_project(command[2])).bodies for command in commands[1:])
@@ -67,7 +67,7 @@ def test_the_programs_of_a_launch_file_have_projects(path):
 
 @pytest.mark.process
 @in_a_loop
-async def test_the_page_is_sent_the_tank_as_it_moves(program):
+async def test_the_page_receives_the_moving_tank(program):
     simulation = program("run", "step2", "--ros-args", "-r", "__node:=simulation")
     program("joy", "--drive", "tour")
     simulation.says("look at http://127.0.0.1:")

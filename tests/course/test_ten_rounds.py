@@ -1,4 +1,4 @@
-"""The programs of the notebooks, opened and closed ten times in a kernel while messages arrive: nothing is left."""
+"""Open and close the notebooks' programs ten times in a kernel while messages arrive: nothing may be left."""
 
 import json
 import re
@@ -45,7 +45,7 @@ async def go_round():
 
 
 @pytest.mark.timeout(300)
-def test_programs_within_a_kernel(domain):
+def test_reopening_programs_leaves_nothing(domain):
     def answer(expression):
         *said, text = running.run(f"print(json.dumps({expression}))").splitlines()
         assert not TROUBLE.search("".join(said)), said
@@ -59,4 +59,4 @@ def test_programs_within_a_kernel(domain):
         assert after["threads"] == before["threads"]
     for what in ("native", "files"):
         grown = rounds[-1][what] - rounds[0][what]
-        assert grown < ROUNDS - 1, f"each round leaves some: {[each[what] for each in rounds]}"
+        assert grown < ROUNDS - 1, f"each round leaves some:{[each[what] for each in rounds]}"

@@ -1,4 +1,4 @@
-"""What the tutorial gives to others' tools: all of it is about topics and frames that there are."""
+"""Files for other tools: they refer only to existing topics and frames."""
 
 import yaml
 from loops import in_a_loop, until
@@ -11,7 +11,7 @@ TYPES = {"RobotModel": "std_msgs/msg/String", "Image": "sensor_msgs/msg/Image"}
 
 
 @in_a_loop
-async def test_rviz_shows_topics_that_the_tank_publishes(domain):
+async def test_rviz_shows_published_topics(domain):
     rviz = yaml.safe_load((HOME / "project/rviz/tank.rviz").read_text(encoding="utf-8"))["Visualization Manager"]
     displays = [(each["Class"].partition("/")[2], each) for each in rviz["Displays"]]
     wanted = {}
@@ -20,7 +20,7 @@ async def test_rviz_shows_topics_that_the_tank_publishes(domain):
         if topic:
             wanted[topic] = [TYPES[kind]]
     assert len(wanted) == len(TYPES)
-    wanted["/tf"] = ["tf2_msgs/msg/TFMessage"]  # which rviz2 asks for by itself
+    wanted["/tf"] = ["tf2_msgs/msg/TFMessage"]  # rviz2 subscribes to it by itself
 
     async with Host(Project.load(find_project("tools"))) as host:
         names = host.node.get_publisher_names_and_types_by_node

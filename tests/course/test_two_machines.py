@@ -1,7 +1,7 @@
-"""Robot and desk on two machines: two network namespaces and a cable, which this test makes and which end with it.
+"""Robot and desk on two machines: two network namespaces and a cable, which this test creates and removes.
 
-That two programs do not meet cannot be seen by waiting. It is seen on the cable: to be met, a program has to be heard,
-so one whose machine has not put a single packet on it has met nobody there.
+Waiting cannot prove that two programs do not meet. The cable can: a program has to send something to be met, so if its
+machine has not sent a single packet, it has met nobody on the other machine.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ PEERS = "ROS_STATIC_PEERS"
 class Machine:
     """A network namespace, with an interface ``lan`` once it is cabled.
 
-    It has no name, and lives as long as a process in it: first of all ``cat``, which ends when this process does,
-    whatever ends it. The cable goes with it.
+    It has no name, and exists as long as a process in it. The first one is ``cat``, which ends with this process,
+    however that ends. The cable disappears with it.
 
     Attributes:
-        address: on the cable.
+        address: its address on the cable.
     """
 
     def __init__(self, address: str) -> None:
@@ -42,11 +42,11 @@ class Machine:
         pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
         self._holder = subprocess.Popen(["unshare", "--net", "sh", "-c", "echo made; exec cat"], **pipes, text=True)
         if not self._holder.stdout.readline():
-            pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].strip()}")
+            pytest.skip(f"cannot create a network namespace here: {self._holder.communicate()[1].strip()}")
 
     @contextmanager
     def inside(self) -> Iterator[None]:
-        """Be on this machine: the sockets, threads and processes that this thread makes meanwhile are there."""
+        """Enter this machine: sockets, threads and processes that this thread creates meanwhile belong to it."""
         there = Path(f"/proc/{self._holder.pid}/ns/net")
         with Path("/proc/thread-self/ns/net").open() as home, there.open() as away:
             _enter(away.fileno())
@@ -56,12 +56,12 @@ class Machine:
                 _enter(home.fileno())
 
     def cable_to(self, other: Machine) -> None:
-        """Join two machines. What is sent over the cable is the programs' doing alone: IPv6 would add its own."""
+        """Connect two machines. IPv6 is off, because the kernel would send packets by itself."""
         with self.inside():
             try:
                 _ip(f"link add lan type veth peer name lan netns {other._holder.pid}")
             except subprocess.CalledProcessError as error:
-                pytest.skip(f"no cable between network namespaces can be made here: {error.stderr.strip()}")
+                pytest.skip(f"cannot connect network namespaces here: {error.stderr.strip()}")
         for machine in (self, other):
             with machine.inside():
                 _ip("link set lo up")
@@ -74,17 +74,17 @@ class Machine:
 
     @property
     def sent(self) -> int:
-        """How many packets this machine has put on the cable."""
+        """Return the number of packets that this machine has sent over the cable."""
         counters = Path(f"/proc/{self._holder.pid}/net/dev").read_text().split("lan:")[1].split()
         return int(counters[9])
 
     def close(self) -> None:
-        """End it."""
+        """End the machine."""
         self._holder.communicate(timeout=PATIENCE)
 
 
 def _enter(namespace: int) -> None:
-    """Put the calling thread into a network namespace, as `os.setns` does from Python 3.12 on."""
+    """Move the calling thread into a network namespace, like `os.setns` from Python 3.12 on."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.setns(namespace, CLONE_NEWNET):
         raise OSError(ctypes.get_errno(), "setns")
@@ -96,14 +96,14 @@ def _ip(words: str) -> None:
 
 @pytest.fixture
 def machines():
-    """The robot's machine and the desk's, with a cable between them, which are gone afterwards."""
+    """The robot's machine and the desk's, with a cable between them."""
     for tool in ("ip", "unshare"):
         if shutil.which(tool) is None:
-            pytest.skip(f"there is no command {tool!r} to make a network namespace with")
+            pytest.skip(f"creating a network namespace needs the command {tool!r}")
     with ExitStack() as stack:
         robot, desk = (
             stack.enter_context(closing(Machine(address)))
-            for address in ("192.0.2.1", "192.0.2.2")  # from the range for documentation: nobody's
+            for address in ("192.0.2.1", "192.0.2.2")  # from the range for documentation, which nobody uses
         )
         robot.cable_to(desk)
         yield robot, desk
@@ -111,7 +111,7 @@ def machines():
 
 @pytest.fixture
 def start(machines, program, monkeypatch):
-    """Start a ``tank`` command on a machine, with a discovery range (None: that of the default) and peers."""
+    """Start a ``tank`` command on a machine, with a discovery range (None for the default) and peers."""
 
     def start(machine, discovery, *arguments, peer=None):
         for name, value in ((RANGE, discovery), (PEERS, peer and peer.address)):
@@ -123,7 +123,7 @@ def start(machines, program, monkeypatch):
 
 
 def hears(listen, topic):
-    """Whether a message comes; nobody may publish the topic yet."""
+    """Return whether a message arrives; the topic may not have a publisher yet."""
     echo = listen("topic", "echo", "--once", topic)
     return echo.ends() == 0 and "\n---\n" in echo.output
 
@@ -156,7 +156,7 @@ def test_the_desk_drives_the_robot_and_hears_its_joints(start, machines, robots,
 @pytest.mark.pocket
 @pytest.mark.parametrize("quiet", [None, "LOCALHOST", "OFF"])
 @pytest.mark.parametrize("who", ["simulation", "viewer"])
-def test_one_that_stays_on_its_machine_meets_none_that_reaches_out(start, machines, tmp_path, quiet, who):
+def test_a_program_that_stays_local_meets_no_other_machine(start, machines, tmp_path, quiet, who):
     robot, desk = machines
     silent, calling = (robot, desk) if who == "simulation" else (desk, robot)
     viewer = start(

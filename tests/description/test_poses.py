@@ -1,4 +1,4 @@
-"""Roll, pitch and yaw: whatever the rotation, they make it again."""
+"""Roll, pitch and yaw: any rotation can be restored from them."""
 
 from math import pi, tau
 
@@ -15,14 +15,14 @@ STRAIGHT_UP = [sign * (pi / 2 + off) for sign in (-1, 1) for off in (0.0, 1e-12,
 
 
 def turned(*angles):
-    """The rotation of roll, pitch and yaw about fixed axes, as MuJoCo has it."""
+    """Return the rotation by roll, pitch and yaw about fixed axes, as MuJoCo computes it."""
     quaternion = np.empty(4)
     mujoco.mju_euler2Quat(quaternion, angles, "XYZ")
     return pose((0, 0, 0), quaternion)[:3, :3]
 
 
 @given(roll=angles, pitch=angles | st.sampled_from(STRAIGHT_UP), yaw=angles)
-def test_they_make_the_rotation_again(roll, pitch, yaw):
+def test_they_restore_the_rotation(roll, pitch, yaw):
     rotation = turned(roll, pitch, yaw)
     np.testing.assert_allclose(turned(*roll_pitch_yaw(rotation)), rotation, atol=1e-8)
 
@@ -31,5 +31,5 @@ def test_they_make_the_rotation_again(roll, pitch, yaw):
     ("values", "text"),
     [([0.0, -0.0, 1e-17], "0 0 0"), ([1 / 3, -2.0], "0.333333333333 -2"), (np.full(1, 1e9), "1000000000")],
 )
-def test_numbers_have_twelve_digits_and_no_dust(values, text):
+def test_numbers_have_twelve_digits_and_no_rounding_noise(values, text):
     assert numbers(values) == text

@@ -1,7 +1,7 @@
-"""What the tools of a real ROS 2 make of the robot description. They run where TANK_REAL_ROS2 says.
+"""How the tools of a real ROS 2 read the robot description. The tests need TANK_REAL_ROS2.
 
-As in ``tests/ros/test_beside_ros2.py`` it names a command that runs another with ROS 2. RMW_IMPLEMENTATION says which
-middleware that has, Cyclone DDS if it is not set.
+As in ``tests/ros/test_beside_ros2.py``, it is a command that runs another command with ROS 2. RMW_IMPLEMENTATION
+chooses that one's middleware, by default Cyclone DDS.
 """
 
 import os
@@ -34,7 +34,7 @@ NAMES = ("Tank", "Crane")
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
-    pytest.skip("TANK_REAL_ROS2 is not set: it names a command that runs another with ROS 2", allow_module_level=True)
+    pytest.skip("TANK_REAL_ROS2 is not set to a command that runs another one with ROS 2", allow_module_level=True)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def environment():
 
 @pytest.fixture(scope="module")
 def node(environment, bodies):
-    """The node of a program of the pocket ROS 2, which publishes both descriptions."""
+    """A node of the pocket ROS 2 that publishes both descriptions."""
     thread = NodeThread("tank")
     publishers = [RobotDescriptionPublisher() for _ in bodies]
     for publisher, body in zip(publishers, bodies.values()):
@@ -64,7 +64,7 @@ def node(environment, bodies):
 
 @contextmanager
 def going_on(*command, environment):
-    """A command that goes on, until Ctrl-C ends it and what it is run by."""
+    """Run a command in the background, and end it and its parent with Ctrl-C."""
     quiet = subprocess.DEVNULL
     process = subprocess.Popen([*REAL, *command], env=environment, stdout=quiet, stderr=quiet, start_new_session=True)
     try:
@@ -74,7 +74,7 @@ def going_on(*command, environment):
         process.wait(PATIENCE)
 
 
-def test_check_urdf_has_nothing_to_say_against_it(bodies, environment, tmp_path):
+def test_check_urdf_accepts_it(bodies, environment, tmp_path):
     for name, body in bodies.items():
         path = tmp_path / f"{name}.urdf"
         path.write_text(robot_description(body), encoding="utf-8")
@@ -87,7 +87,7 @@ def test_check_urdf_has_nothing_to_say_against_it(bodies, environment, tmp_path)
         assert "rror" not in checked.stderr
 
 
-def test_a_real_latecomer_gets_it(node, bodies, environment):
+def test_a_late_real_subscriber_gets_it(node, bodies, environment):
     echo = ["ros2", "topic", "echo", "--no-daemon", "--once", "--full-length", "--field", "data"]
     qos = ["--qos-reliability", "reliable", "--qos-durability", "transient_local"]
     command = [*REAL, *echo, *qos, "/Tank/robot_description", "std_msgs/msg/String"]
@@ -95,7 +95,7 @@ def test_a_real_latecomer_gets_it(node, bodies, environment):
     assert done.stdout.strip().removesuffix("---").strip() == robot_description(bodies["Tank"]).strip()
 
 
-def test_robot_state_publisher_knows_every_link(node, bodies, environment):
+def test_robot_state_publisher_finds_every_link(node, bodies, environment):
     frames, kept = set(), QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
     def hear(message):
@@ -109,7 +109,7 @@ def test_robot_state_publisher_knows_every_link(node, bodies, environment):
     stamps = count(1)
 
     def are_all_there():
-        """What is published before all ends are met is lost, and what is of the same moment is not taken twice."""
+        """Publish again with a new stamp: early messages may be lost, and a repeated stamp is ignored."""
         for name, body in bodies.items():
             message = JointState(name=list(body.joint_names), position=[0.1] * len(body.joint_names))
             message.header.stamp.sec = next(stamps)

@@ -1,4 +1,4 @@
-"""The robot description: MuJoCo, which reads URDF, too, makes of it the model that it was made from."""
+"""The robot description: MuJoCo, which also reads URDF, builds the original model from it."""
 
 import re
 from pathlib import Path
@@ -17,7 +17,7 @@ from tutorial.world import Placement
 
 MODELS = HOME / "project" / "models"
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-"""A mesh whose centre is not where its file has its origin."""
+"""A mesh whose centre is not its file's origin."""
 
 CURIOUS = """
 <mujoco>
@@ -44,7 +44,7 @@ CURIOUS = """
   </worldbody>
 </mujoco>
 """
-"""All at once: an axis beside its body's frame, several joints in a body, a 0 elsewhere, no names or a link's."""
+"""Special cases: an axis beside its body's frame, several joints in a body, a 0, missing and duplicate names."""
 
 LIMITED = """
 <mujoco>
@@ -74,17 +74,17 @@ COMPILER = """
   angle="radian" fusestatic="false" discardvisual="false" strippath="false" boundmass="1e-9" boundinertia="1e-12"
 /></mujoco>
 </robot>"""
-"""Has MuJoCo keep each link, also one without a mass, and each shape."""
+"""Makes MuJoCo keep every shape, and every link, even one without a mass."""
 
 
 class Robot:
     """A URDF document.
 
     Attributes:
-        text: as given.
+        text: the document.
         links: the elements by name.
-        joints: likewise.
-        comment: the first one, or None.
+        joints: the same for joints.
+        comment: the first comment, or None.
     """
 
     def __init__(self, text):
@@ -98,7 +98,7 @@ class Robot:
         assert len(self.joints) == len(robot.findall("joint"))
 
     def read(self):
-        """What MuJoCo makes of it. The names of its shapes, which need not differ in URDF, are left out."""
+        """Return MuJoCo's model of it. It omits the shapes' names, which may be equal in URDF."""
         text = re.sub(r'<(visual|collision) name="[^"]*"', r"<\1", self.text)
         return mujoco.MjModel.from_xml_string(text.replace("</robot>", COMPILER))
 
@@ -109,7 +109,7 @@ def body_of(model, name="Robot"):
 
 @pytest.fixture
 def described(tmp_path):
-    """Make a body of a model's text, and read its description."""
+    """Make a body from a model's text, and read its description."""
 
     def describe(text, name="Robot"):
         path = tmp_path / "model.xml"
@@ -121,12 +121,12 @@ def described(tmp_path):
 
 
 def assert_same_robot(body, model, names):
-    """Each link has the body's mass and inertia, and is where that is, to a micrometre, however the joints stand.
+    """Check that each link has its body's mass, inertia and place, to a micrometre, at any joint positions.
 
     Args:
-        body: as its model begins.
-        model: of its description, whose world is where the body's root is.
-        names: of the links, by MuJoCo's numbers of the bodies.
+        body: in its model's initial pose.
+        model: of its description; its world frame is the body's root.
+        names: the links' names, by MuJoCo's body numbers.
     """
     own = body.model
     for number, name in names.items():
@@ -148,7 +148,7 @@ def assert_same_robot(body, model, names):
 
 
 def inertia(model, number):
-    """About the centre of mass, along the link's axes, 3 x 3 [kg.m^2]."""
+    """Return the inertia about the centre of mass, along the link's axes, 3 x 3 [kg.m^2]."""
     axes = pose((0, 0, 0), model.body_iquat[number])[:3, :3]
     return axes @ np.diag(model.body_inertia[number]) @ axes.T
 
@@ -162,12 +162,12 @@ def test_links_joints_masses_and_inertias_are_mujocos(file, links):
     assert [model.joint(number).name for number in range(model.njnt)] == list(body.joint_names)
     for name, ends in body.joint_ranges.items():
         assert model.joint(name).range == pytest.approx(ends)
-    assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
+    assert robot.links["base_link"].find("inertial") is None  # KDL rejects a root with inertia
     assert set(robot.links).isdisjoint(robot.joints)
     names = {i: own.body(i).name.removeprefix("Robot/") for i in range(1, own.nbody)}
     names = {i: f"{name}_link" if name in body.joint_names else name for i, name in names.items()}
     if file == "tank":
-        body.orientation_wxyz = 0.5, 0.5, -0.5, 0.5  # it lies on its side
+        body.orientation_wxyz = 0.5, 0.5, -0.5, 0.5  # the robot lies on its side
         body.calc_forward_kinematics()
     assert_same_robot(body, model, names)
 
@@ -188,7 +188,7 @@ def test_sensors_and_cameras_have_links_and_a_camera_looks_along_z(file):
     np.testing.assert_allclose(optical.xmat.reshape(3, 3).T, (right, -up, -back), atol=1e-9)
 
 
-def test_every_link_of_a_curious_model_is_where_mujoco_has_it(described):
+def test_every_link_of_an_unusual_model_is_where_mujoco_has_it(described):
     body, robot = described(CURIOUS)
     names = {1: "body_1_", 2: "base_link_", 3: "body_1", 4: "HAND", 7: "POST"}
     assert_same_robot(body, robot.read(), names)
@@ -201,7 +201,7 @@ FIXED = (
 )
 
 
-def test_what_is_not_as_in_the_model_is_said_at_the_top_and_what_moves_otherwise_in_the_log(described, caplog):
+def test_differences_from_the_model_are_reported(described, caplog):
     top = " Other than in the MuJoCo model are "
     assert Robot(robot_description(body_of(MODELS / "tank.xml"))).comment == (
         f"{top}tendons (2), equalities (8), joints of hidden groups that are fixed (10), ellipsoid shapes (10) "
@@ -214,7 +214,7 @@ def test_what_is_not_as_in_the_model_is_said_at_the_top_and_what_moves_otherwise
     assert said == [f"the robot description of Robot does not move as the robot does: {FIXED}"]
 
 
-def test_a_limit_says_what_the_actuators_can_do(described):
+def test_limits_come_from_the_actuators(described):
     _, robot = described(LIMITED)
     limits = {name: dict(robot.joints[name].find("limit").attrib) for name in "ABCD"}
     many = "1000000000"
@@ -276,11 +276,11 @@ def test_coupling_without_mimic(described, caplog, equality):
     assert caplog.messages == [said]
 
 
-COLLISION, VISUAL = 0, 1  # MuJoCo's groups of what it reads from URDF
+COLLISION, VISUAL = 0, 1  # MuJoCo's groups for the shapes that it reads from URDF
 
 
 def shapes(model, link, group):
-    """Name the shapes of a link, with MuJoCo's sizes and their places [m]."""
+    """Describe a link's shapes by name, with MuJoCo's sizes and positions [m]."""
     mine = np.flatnonzero((model.geom_bodyid == model.body(link).id) & (model.geom_group == group)).tolist()
     return [
         (
@@ -292,7 +292,7 @@ def shapes(model, link, group):
     ]
 
 
-def test_what_is_seen_and_what_touches(described):
+def test_visual_and_collision_shapes(described):
     model = described(CURIOUS)[1].read()
     ball = ("mjGEOM_SPHERE", [0.02, 0, 0])
     capsule = [("mjGEOM_CYLINDER", [0.02, 0.1, 0], 0, 0, 0), (*ball, 0.1, 0, 0), (*ball, -0.1, 0, 0)]
@@ -302,7 +302,7 @@ def test_what_is_seen_and_what_touches(described):
     assert shapes(model, "HAND", COLLISION) == [("mjGEOM_CYLINDER", [0.05, 0.1, 0], 0, 0, 0)]
 
 
-def test_colours_are_those_of_the_material_or_the_geoms_own(described):
+def test_colours_come_from_the_material_or_the_geom(described):
     robot = Robot(robot_description(body_of(MODELS / "tank.xml")))
     hull = robot.links["CHASSIS"].find("visual[@name='HULL']/material")
     assert (hull.get("name"), hull.find("color").get("rgba")) == ("HULL", "0.42 0.52 0.36 1")
@@ -311,7 +311,7 @@ def test_colours_are_those_of_the_material_or_the_geoms_own(described):
     assert (red.get("name"), red.find("color").get("rgba")) == ("rgba_ff000080", "1 0 0 0.5")
 
 
-def test_a_mesh_is_the_models_file_where_mujoco_has_it(described, tmp_path):
+def test_a_mesh_is_the_models_file(described, tmp_path):
     (tmp_path / "a mesh.obj").write_text(TETRAHEDRON, encoding="utf-8")
     body, robot = described("""
         <mujoco>
@@ -326,12 +326,12 @@ def test_a_mesh_is_the_models_file_where_mujoco_has_it(described, tmp_path):
     (mesh,) = robot.links["M"].findall("visual/geometry/mesh")
     uri = (tmp_path / "a mesh.obj").as_uri()
     assert mesh.attrib == {"filename": uri, "scale": "2 -1 1"}
-    robot.text = robot.text.replace(uri, str(tmp_path / "a mesh.obj"))  # MuJoCo reads no addresses
+    robot.text = robot.text.replace(uri, str(tmp_path / "a mesh.obj"))  # MuJoCo reads no file:// addresses
     np.testing.assert_allclose(corners(robot.read()), corners(body.model), atol=1e-6)
 
 
 def corners(model):
-    """Of the mesh that the first geom is, as its body sees it; the least come first."""
+    """Return the corners of the first geom's mesh in its body's frame, sorted."""
     turned = pose((0, 0, 0), model.geom_quat[0])[:3, :3]
     return sorted((model.mesh_vert[:4] @ turned.T + model.geom_pos[0]).round(7).tolist())
 
@@ -341,7 +341,7 @@ def test_names_may_have_any_characters(described):
         '<mujoco><worldbody><body name="Zürich &lt;&quot;&amp;&#x202e;"><geom size="0.1"/></body></worldbody></mujoco>'
     )
     assert list(robot.links) == ["base_link", 'Zürich <"&\u202e']
-    assert robot_description(body).isascii()  # so that it is the same in any file, and a terminal obeys nothing of it
+    assert robot_description(body).isascii()  # the same in any file, and harmless in a terminal
 
 
 def test_a_root_that_is_called_base_link_is_the_root(described):
@@ -352,8 +352,8 @@ def test_a_root_that_is_called_base_link_is_the_root(described):
     assert len(robot.links["base_link"].findall("visual")) == 1
 
 
-def test_it_is_one_document_and_ros_2_can_take_it_as_a_parameter():
+def test_ros_2_accepts_it_as_a_parameter():
     text = robot_description(body_of(MODELS / "tank.xml", "Tank"))
-    assert isinstance(yaml.safe_load(text), str)  # as which rcl reads it
+    assert isinstance(yaml.safe_load(text), str)  # rcl reads it as YAML
     assert text.startswith('<?xml version="1.0"?>\n<robot name="Tank">\n')
     assert ElementTree.fromstring(text).get("name") == "Tank"

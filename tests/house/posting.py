@@ -1,4 +1,4 @@
-"""What the linter's type checker says of calls that are posted wrongly: an error that does not come is one, too."""
+"""Wrongly posted calls, for the type checker: mypy also fails if one of these errors does not occur."""
 
 from tutorial.controller import ControllerConfig
 

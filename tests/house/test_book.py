@@ -1,4 +1,4 @@
-"""The book: it is built, its pages open, and nothing comes from outside."""
+"""The book builds, its pages open, and nothing comes from other sites."""
 
 import asyncio
 import gzip
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.build
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """The book as ``make book`` builds it: warnings are errors."""
+    """The book as ``make book`` builds it. Warnings are errors."""
     pytest.importorskip("sphinx", reason="Sphinx is not installed: make install installs it")
     folder = tmp_path_factory.mktemp("site")
     options = ("-W", "--keep-going", "-q", "-d", folder / "trees")
@@ -40,7 +40,7 @@ def pages(site):
     return sorted(site.rglob("*.html"))
 
 
-def test_every_widget_of_the_notebooks_is_kept(monkeypatch):
+def test_every_widget_of_the_notebooks_is_saved(monkeypatch):
     monkeypatch.syspath_prepend(BOOK)
     from keepsakes import FOLDER, WIDGET
 
@@ -70,7 +70,7 @@ def test_every_picture_has_a_description(site):
 
 @pytest.mark.browser
 @pytest.mark.timeout(320)
-def test_pages_open_without_a_complaint_and_have_what_plays_their_runs(site):
+def test_pages_open_without_errors_and_play_their_replays(site):
     browser = chromium()
 
     async def main():
@@ -92,7 +92,7 @@ def test_pages_open_without_a_complaint_and_have_what_plays_their_runs(site):
 
 @contextmanager
 def served(folder) -> Iterator[str]:
-    """Serve a folder; its address, without a slash at the end."""
+    """Serve a folder; yield its address, without a slash at the end."""
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(SimpleHTTPRequestHandler, directory=folder)) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
@@ -108,17 +108,17 @@ BEYOND = """() => {
     const [body] = Object.entries(setup.paths).find(([, path]) => path.endsWith("CHASSIS"));
     return state && state.xpos[3 * body] > -1.5;
 }"""
-"""Whether the simulated tank has come so far along the laboratory [m]."""
+"""Whether the simulated tank has driven this far along the laboratory [m]."""
 
 
 class DrivePage:
-    """The page on which the tank drives, as a visitor uses it."""
+    """The page *Drive it*, as a visitor uses it."""
 
     def __init__(self, page):
         self.page = page
 
     async def joints(self, program):
-        """Positions of a program's tank [rad]."""
+        """Return the positions of a program's joints [rad]."""
         found = await self.page.evaluate(f"drive.drive.{program}.state?.joints ?? []")
         return {name: position for name, position, _ in found}
 
@@ -131,7 +131,7 @@ class DrivePage:
         await self.page.get_by_role("button", name="Run").click()
 
     async def says(self, words):
-        """Wait for an error that is shown."""
+        """Wait until the page shows an error."""
         await self.page.locator(".drive-error", has_text=words).wait_for()
 
     async def holds(self, joint, low, high):
@@ -144,7 +144,7 @@ class DrivePage:
 
 
 async def drive_and_be_followed(page, visitor):
-    """Keys move the tank and lift its barrel, and the viewer in the second program shows the same."""
+    """Drive the tank and lift its barrel with keys, and check that the viewer in the second program follows."""
     views = page.locator(".drive-view .tank-view-pane")
     stood = [await views.nth(i).screenshot() for i in range(2)]
     await page.keyboard.down("KeyW")  # the joystick has the focus
@@ -170,11 +170,11 @@ async def drive_and_be_followed(page, visitor):
 
 
 async def edit_and_err(page, visitor):
-    """Edited gains change pose and torque; an error and endless loops are said, and the original drives again."""
+    """Edit the gains, make an error and endless loops, and restore the original."""
     await page.get_by_role("button", name="Reset").click()
     await visitor.holds("TURRET_P", -0.0101, -0.0095)  # 1.96 N.m of the gun's weight, by 200 N.m/rad
     await visitor.edit("P_GAIN = 200.0", "P_GAIN = 2000.0")
-    await visitor.holds("TURRET_P", -0.0112, -0.0104)  # a tenth of that below where it was aimed to be
+    await visitor.holds("TURRET_P", -0.0112, -0.0104)  # a tenth of that below the reference
     await visitor.edit("self.joint.effort = P_GAIN", "self.joint.effort = 0.0 * P_GAIN")
     await visitor.holds("TURRET_P", -1.0, -0.05)  # without a torque it sinks
     await visitor.edit("return axis if", "return 1 / 0 if")
@@ -191,7 +191,7 @@ async def edit_and_err(page, visitor):
 
 
 async def drive_on_a_phone(page):
-    """Everything fits into the page of a phone, and a dragged stick moves the tank, whose program has begun anew."""
+    """Check that everything fits on a phone's screen, and that a dragged stick moves the restarted tank."""
     await page.set_viewport_size({"width": 390, "height": 800})
     assert not await page.evaluate("document.documentElement.scrollWidth > innerWidth")
     await page.evaluate("drive.drive.simulation.state = null")
@@ -205,17 +205,17 @@ async def drive_on_a_phone(page):
 
 @pytest.mark.browser
 @pytest.mark.timeout(320)
-def test_the_tank_drives_in_the_visitors_browser(site):
+def test_the_tank_drives_in_a_browser(site):
     if not (site / "_static/drive.js").exists():
-        pytest.skip("there is no npm, so the book is made without this page")
+        pytest.skip("without npm, the book does not have this page")
     browser = chromium()
 
     async def main(address):
         async with open_browser(browser, 1280, 900, scale=0.5) as page:
             witness, visitor = Witness(page), DrivePage(page)
-            await page.goto(f"{address}/{site.name}/drive.html")  # below a prefix
+            await page.goto(f"{address}/{site.name}/drive.html")  # in a subfolder of the site
             before = [url for url in witness.requests if "/_static/drive/" in url or "main.min.js" in url]
-            assert not before, "something heavy was asked for before the button was pressed"
+            assert not before, "the page loaded large files before the button was pressed"
             await page.get_by_role("button", name="Start").click()
             await page.wait_for_function("drive.drive.isReady", timeout=200_000)
             await drive_and_be_followed(page, visitor)

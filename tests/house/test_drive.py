@@ -1,4 +1,4 @@
-"""What the page on which the tank drives is made of: its rclpy is the pocket ROS 2, and its physics MuJoCo's."""
+"""The parts of the page *Drive it*: its rclpy is the pocket ROS 2, and its physics is MuJoCo's."""
 
 import json
 import os
@@ -42,9 +42,9 @@ print(json.dumps([outcome(*snippet) for snippet in json.load(sys.stdin)]))
 
 
 @pytest.mark.pocket
-def test_its_rclpy_does_what_a_real_one_did(drive_page, tmp_path, domain):
+def test_its_rclpy_behaves_like_a_real_one(drive_page, tmp_path, domain):
     drive_page.write_python(tmp_path)
-    (tmp_path / "numpy.py").unlink()  # some snippets need the real one
+    (tmp_path / "numpy.py").unlink()  # some snippets need the real numpy
     rows = recorded()
     done = subprocess.run(
         [sys.executable, "-c", IN_THE_PAGE, str(tmp_path)],
@@ -61,14 +61,14 @@ def test_its_rclpy_does_what_a_real_one_did(drive_page, tmp_path, domain):
         assert seen == expected, row["code"]
 
 
-def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):
+def test_its_tank_drives_as_in_the_course(drive_page, tmp_path):
     node = shutil.which("node")
     if node is None or drive_page.fetch() is None:
-        pytest.skip("there is no npm, so the book is made without this page")
+        pytest.skip("without npm, the book does not have this page")
     drive_page.write_site(tmp_path)
     script = HOME / "tests/support/drive_without_page.mjs"
     tour = ScriptedDrive(find_drive("tour"))
-    drive = [tour.read(5.5 + 0.02 * i)[0] for i in range(50)]  # a second, in which it stops driving and aims
+    drive = [tour.read(5.5 + 0.02 * i)[0] for i in range(50)]  # a second in which it stops driving and aims
     done = subprocess.run(
         [node, script, tmp_path / "drive", json.dumps(drive)], capture_output=True, text=True, check=False, timeout=280
     )

@@ -1,4 +1,4 @@
-"""Which Python ``make install`` takes, and the error if there is no suitable one. The programs on PATH are fakes."""
+"""The Python that ``make install`` chooses, and its error if none is suitable. The programs on PATH are fakes."""
 
 import shutil
 import sys
@@ -22,13 +22,13 @@ pytestmark = pytest.mark.process
 
 
 def python(prelude="pass"):
-    """A fake Python that runs a prelude before the code of `-c`, its only option."""
+    """Return a fake Python that runs a prelude before the code of `-c`, its only option."""
     return f'exec {sys.executable} -c "{prelude}; import sys; exec(sys.argv[1])" "$2"'
 
 
 @pytest.fixture
 def find_python(tmp_path):
-    """Run .ci/find_python with these programs on PATH. Without a fake `uname`, it sees Linux on x86-64."""
+    """Run .ci/find_python with the given programs on PATH. Without a fake `uname`, it sees Linux on x86-64."""
 
     def find(programs, *arguments, **environment):
         for name in TOOLS:

@@ -1,4 +1,4 @@
-"""What an import does to the program that makes it."""
+"""Side effects of imports."""
 
 import pkgutil
 import subprocess
@@ -19,9 +19,9 @@ for name in sys.argv[1:]:
 """
 
 
-def test_no_import_takes_ctrl_c_away():
+def test_no_import_changes_ctrl_c():
     names = [module.name for module in pkgutil.walk_packages(tutorial.__path__, "tutorial.")]
-    modules = [name for name in names if name != "tutorial.__main__"]  # which is a program
+    modules = [name for name in names if name != "tutorial.__main__"]  # that one is a program
     ended = subprocess.run([sys.executable, "-c", SCRIPT, *modules], check=False, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
 
@@ -36,7 +36,7 @@ print("rosbags" in sys.modules)
 """
 
 
-def test_what_takes_long_and_is_not_needed_is_not_imported():
-    """And what the command has imported is not searched for garbage, but what it makes later is."""
+def test_slow_unneeded_modules_are_not_imported():
+    """Imported objects are exempt from garbage collection, but later ones are not."""
     ended = subprocess.run([sys.executable, "-c", QUICK], check=False, capture_output=True, text=True)
     assert (ended.stdout, ended.stderr) == ("False\n", "")

@@ -1,4 +1,4 @@
-"""How ``make install`` installs: with uv, and with pip if that fails. Both are fakes."""
+"""``make install`` uses uv, and pip if uv fails. Both are fakes here."""
 
 import shutil
 

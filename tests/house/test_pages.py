@@ -1,4 +1,4 @@
-"""What the README, the book and the notebooks link to is there, and what they tell a reader to type is understood."""
+"""Links and commands in the README, the book and the notebooks: links lead somewhere, and commands are valid."""
 
 import ast
 import json
@@ -21,7 +21,7 @@ POCKET = HOME / "tutorial/ros/pocket/README.md"
 PAGES = [HOME / name for name in ("README.md", "CONTRIBUTING.md", ".ci/README.md", "tests/README.md")]
 PAGES += sorted({*HOME.glob("book/*.md"), *HOME.glob("tutorial/**/README.md")} - {POCKET})
 FOREIGN = r"\.|bash|cd|colcon|curl|docker|export|helm|pixi|python3?|ros2|rviz2|source|sudo|uv|\.venv/bin/.*"
-"""Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
+"""Programs that don't belong to the tutorial. For these, only files in the arguments have to exist."""
 FINDERS = {"project": find_project, "step": find_launch_file, "drive": find_drive, "model": find_model}
 
 
@@ -34,9 +34,9 @@ def read(path):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
-def test_commands_that_a_reader_is_told_to_type_are_understood(page, monkeypatch):
+def test_commands_on_the_pages_are_valid(page, monkeypatch):
     monkeypatch.chdir(HOME)
-    monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))  # is the reader's
+    monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))  # the reader's
     blocks = re.findall(r"^```console\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL)
     for line in re.findall(r"^\$ (.*)", "\n".join(blocks), re.MULTILINE):
         words = shlex.split(line, comments=True)
@@ -53,7 +53,7 @@ def test_commands_that_a_reader_is_told_to_type_are_understood(page, monkeypatch
 
 
 def is_understood(arguments):
-    """Have the command line parse it, and run nothing."""
+    """Let the command line parse it, without running anything."""
     rest = list(takewhile(lambda word: word not in ("--ros-args", ">"), arguments))
     command, context = tank, click.Context(tank, info_name="tank")
     while isinstance(command, click.Group):
@@ -61,7 +61,7 @@ def is_understood(arguments):
         context = click.Context(command, parent=context, info_name=name)
     values = command.make_context(command.name, rest, parent=context.parent).params
     for option, find in FINDERS.items():
-        if values.get(option, "mine") not in ("mine", None):  # a file that the reader is asked to write
+        if values.get(option, "mine") not in ("mine", None):  # a file that the reader writes
             find(values[option])
 
 
@@ -75,14 +75,14 @@ def test_every_link_leads_somewhere(page):
     for link in re.findall(r"\]\((?!https?://)([^)\s]+)\)", prose):
         target, _, anchor = link.partition("#")
         path = (page.parent / target if target else page).resolve()
-        if page.parent.name == "book" and target.startswith("notebooks/"):  # the book has a copy of them
+        if page.parent.name == "book" and target.startswith("notebooks/"):  # the book has a copy of the notebooks
             path = HOME / target
         assert path.exists(), link
         assert not anchor or anchor in anchors(read(path)), link
 
 
 def anchors(text):
-    """What a link can lead to within a page: its headings, and the terms of the glossary."""
+    """Return the possible targets of links within a page: its headings, and the glossary's terms."""
     glossary = "".join(re.findall(r"^```\{glossary\}\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
     terms = re.findall(r"^(\w.*)$", glossary, re.MULTILINE)
     headings = re.findall(r"^#+ (.+)", text, re.MULTILINE)
@@ -90,7 +90,7 @@ def anchors(text):
     return slugs | {f"term-{term.replace(' ', '-')}" for term in terms}
 
 
-def test_the_tables_of_steps_are_as_make_steps_writes_them(monkeypatch):
+def test_the_tables_of_steps_are_up_to_date(monkeypatch):
     monkeypatch.syspath_prepend(HOME / "book")
     from step_tables import pages
 
@@ -98,7 +98,7 @@ def test_the_tables_of_steps_are_as_make_steps_writes_them(monkeypatch):
 
 
 @pytest.mark.parametrize("page", ["README.md", "book/index.md"])
-def test_the_lines_of_step_3_are_the_librarys(page):
+def test_the_lines_of_step_3_match_the_library(page):
     def statements(source):
         functions = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)]
         return {(function.name, ast.unparse(line)) for function in functions for line in function.body}
@@ -108,7 +108,7 @@ def test_the_lines_of_step_3_are_the_librarys(page):
 
 
 @pytest.mark.process
-def test_the_talker_and_the_listener_of_the_pocket_ros_2_hear_each_other(domain):
+def test_the_pocket_readmes_programs_hear_each_other(domain):
     programs = re.findall(r"^```python\n(.*?)^```", read(POCKET), re.MULTILINE | re.DOTALL)
     with ExitStack() as stack:
         talker, listener = (

@@ -1,4 +1,4 @@
-"""What is installed from a wheel: it has all that is needed, and works where there is no checkout."""
+"""The installed wheels are complete, and work without a checkout."""
 
 import os
 import re
@@ -45,7 +45,7 @@ def pocket_wheel(tmp_path_factory):
 
 @pytest.fixture
 def installed(wheel, pocket_wheel, tmp_path, monkeypatch, domain):
-    """The environment of a process that finds what is in the wheels, and is started where there is no checkout."""
+    """The environment of a process that has only the installed wheels, and starts outside the checkout."""
     here, site, without = (tmp_path / name for name in ("here", "site", "without_checkout"))
     here.mkdir()
     without.mkdir()
@@ -58,24 +58,24 @@ def installed(wheel, pocket_wheel, tmp_path, monkeypatch, domain):
 
 
 def contents(wheel):
-    """Name the files in a wheel, and say what they hold."""
+    """Return the contents of a wheel's files by name."""
     with zipfile.ZipFile(wheel) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 
 
 def files(wheel):
-    """Those that do not tell of the wheel itself."""
+    """Return the contents of a wheel without its metadata."""
     return {name: data for name, data in contents(wheel).items() if ".dist-info/" not in name}
 
 
 def checked_out(folder, *parts):
-    """Say what files of a folder hold, by their names in it."""
+    """Return the contents of files in a checkout by name."""
     paths = [path for part in parts for path in (folder / part, *(folder / part).rglob("*"))]
     wanted = [path for path in paths if path.is_file() and not JUNK & set(path.parts)]
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in wanted}
 
 
-def test_it_holds_the_package_and_the_course_and_nothing_else(wheel):
+def test_it_holds_exactly_the_package_and_the_course(wheel):
     course = checked_out(CHECKOUT, *COURSE, *(f"book/{page}.md" for page in PAGES))
     expected = {f"tutorial/_files/{name}": data for name, data in course.items()}
     package = checked_out(CHECKOUT, "tutorial")
@@ -85,7 +85,7 @@ def test_it_holds_the_package_and_the_course_and_nothing_else(wheel):
     assert found == expected
 
 
-def test_the_pocket_ros_2_is_in_a_wheel_of_its_own(pocket_wheel):
+def test_the_pocket_ros_2_has_its_own_wheel(pocket_wheel):
     assert files(pocket_wheel) == checked_out(POCKET, "pocket_ros2")
 
 
@@ -97,7 +97,7 @@ def test_the_pocket_ros_2_is_in_a_wheel_of_its_own(pocket_wheel):
     ],
     ids=["tutorial", "pocket"],
 )
-def test_the_sdist_has_what_the_wheel_is_built_from_and_the_tests(source, names, tmp_path):
+def test_the_sdist_can_build_the_wheel_and_has_the_tests(source, names, tmp_path):
     sdist = build("sdist", source, tmp_path)
     with tarfile.open(sdist) as archive:
         archive.extractall(tmp_path, filter="data")
@@ -114,10 +114,8 @@ def test_the_demo_runs(installed, program):
     assert "/Tank/joint_state" in running.output
 
 
-def test_a_learners_course_has_what_its_notebooks_refer_to(installed, tmp_path):
-    code = (
-        "from tutorial.system.paths import *; from tutorial.commands.lab import own_course; print(HOME, own_course())"
-    )
+def test_an_installed_course_has_the_files_that_it_links_to(installed, tmp_path):
+    code = "from tutorial.commands.lab import HOME, own_course; print(HOME, own_course())"
     home, course = map(Path, run("-c", code, cwd=".", **installed).split())
     assert home == tmp_path / "site" / "tutorial" / "_files"
     texts = [path.read_text("utf-8") for path in course.glob("notebooks/*.ipynb")]

@@ -1,8 +1,8 @@
-"""A class in a JupyterHub: memory and processor time of each student, in notebook 1. ``make hub-load USERS=30``.
+"""Measure memory and processor time of each student of a JupyterHub, in notebook 1. ``make hub-load USERS=30``.
 
-Each student logs in and runs the notebook up to its tank, which goes on running. Then the page is closed. This measures
-the tank while it runs and nobody watches it, the same when it rests, and the memory of the student's server, kernel and
-other processes, in which what they share counts in equal parts (PSS).
+Each student logs in, runs the notebook until its tank runs, and closes the page. This program then measures the tank
+while it runs unwatched, the same tank at rest, and the memory of the student's server, kernel and other processes,
+with shared memory divided equally between them (PSS).
 """
 
 import statistics
@@ -18,18 +18,18 @@ from rich.table import Table
 
 MEASURED = 20.0  # [s]
 LEAVE = "import tutorial.notebook.program as module\nmodule.REST_AFTER = {}"
-GONE = "program._started_at = module.CellWidget.heard_at = 0.0"  # since the machine was started
+GONE = "program._started_at = module.CellWidget.heard_at = 0.0"  # as if it had been gone since the machine started
 BACK = "module.CellWidget.heard_at = module.math.inf\nprogram.start()"
 FOREVER = 1e9
 
 
 def seconds(student: Student) -> float:
-    """How long the student's processes have computed so far [s]."""
+    """Return the processor time that the student's processes have used so far [s]."""
     return sum(sum(process.cpu_times()[:2]) for process in student.processes())
 
 
 def loads(students: list[Student]) -> list[float]:
-    """How much of a core each student's processes take [%]."""
+    """Return the share of a core that each student's processes use [%]."""
     began, before = time.monotonic(), [seconds(student) for student in students]
     time.sleep(MEASURED)
     after, took = [seconds(student) for student in students], time.monotonic() - began
@@ -37,18 +37,18 @@ def loads(students: list[Student]) -> list[float]:
 
 
 def times(pool: ThreadPoolExecutor, students: list[Student]) -> list[list[float]]:
-    """The time in each student's simulation, and that of the machine [s]."""
+    """Return the time in each student's simulation, and on the machine [s]."""
     ask = "print(program.simulation.time, module.time.monotonic())"
     return [[*map(float, said.split())] for said in pool.map(lambda student: student.run(ask), students)]
 
 
 def memory(student: Student) -> float:
-    """How much memory the student's processes take [MB]."""
+    """Return the memory that the student's processes use [MB]."""
     return sum(process.memory_full_info().pss for process in student.processes()) / 1e6
 
 
 def attend(student: Student) -> str:
-    """Run the notebook up to its tank, look at it, and close the page; return the kernel's ROS domain."""
+    """Run the notebook until its tank runs, look at it, and close the page; return the kernel's ROS domain."""
     for cell in cells()[0]:
         student.run(cell)
     student.run(LEAVE.format(FOREVER))
@@ -59,19 +59,19 @@ def attend(student: Student) -> str:
 
 
 def rest(student: Student) -> None:
-    """Let the tank rest, as it does some minutes after its page is gone."""
+    """Let the tank rest, as it does some minutes after its page was closed."""
     student.run(LEAVE.format(0) + "\nawait until(lambda: not program.simulation.running)")
 
 
 def finish(student: Student) -> None:
-    """Run the other cells."""
+    """Run the remaining cells."""
     student.run(f"{LEAVE.format(FOREVER)}\n{BACK}")
     for cell in cells()[1]:
         student.run(cell)
 
 
 def main(users: int) -> None:
-    """Measure, and print a table."""
+    """Measure everything and print a table."""
     began = time.monotonic()
     with (
         tempfile.TemporaryDirectory(prefix="hub-") as folder,

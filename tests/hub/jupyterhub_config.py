@@ -1,4 +1,4 @@
-"""A JupyterHub with the course, to try: ``make hub``. Any name logs in with one password; all run as the same user."""
+"""Configure a JupyterHub with the course, to try it out with ``make hub``. All users share a password and an account."""
 
 import os
 import shutil
@@ -10,11 +10,11 @@ from traitlets.config import get_config
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PROXY = CHECKOUT / ".venv/node_modules/.bin/configurable-http-proxy"
-HOMES = Path("homes").resolve()  # below the folder that the hub is started in
+HOMES = Path("homes").resolve()  # below the folder in which the hub starts
 
 
 def hand_out(spawner: SimpleLocalProcessSpawner) -> None:
-    """Give a student what is missing of the course, and a private temporary folder."""
+    """Give a student the missing files of the course, and a private temporary folder."""
     home = Path(spawner.home_dir)
     (home / "tmp").mkdir(parents=True, exist_ok=True)
     for part in ("book", "launch_py", "notebooks", "project"):
@@ -32,8 +32,8 @@ c.SimpleLocalProcessSpawner.home_dir_template = f"{HOMES}/{{username}}"
 c.Spawner.cmd = [str(Path(sys.executable).parent / "tank"), "lab"]
 c.Spawner.environment = {
     "TMPDIR": lambda spawner: f"{spawner.home_dir}/tmp",
-    "TANK_TEST_MARK": os.environ.get("TANK_TEST_MARK", ""),  # by which tests find the processes
+    "TANK_TEST_MARK": os.environ.get("TANK_TEST_MARK", ""),  # tests find the processes by it
 }
 c.Spawner.default_url = "/lab/tree/notebooks/0_setup.ipynb"
-c.Spawner.start_timeout = c.Spawner.http_timeout = 300  # [s]: all students start at the same moment
+c.Spawner.start_timeout = c.Spawner.http_timeout = 300  # [s]: all students start at the same time
 c.Spawner.pre_spawn_hook = hand_out

@@ -1,8 +1,8 @@
-"""What the checks of the exercises are worth: every small fault in a right answer is rejected, or shown to be none.
+"""Measure the exercises' checks: they should reject every mutant of a right answer, unless it is equivalent.
 
-``make mutants`` runs it; it takes about a minute. Each mutant of each right answer is judged as a learner's
-answer is, in a process and a ROS domain of its own, two at a time; these processes are forks (`forks`). Its exit
-status is 1 if of any exercise more than 2 % survive, or one is rejected that is listed as equivalent.
+``make mutants`` runs it; it takes about a minute. It judges each mutant of each right answer like a learner's answer,
+in its own process and ROS domain, two at a time; these processes are forks (`forks`). The exit status is 1 if more
+than 2 % of an exercise's mutants survive, or if a mutant that is listed as equivalent is rejected.
 """
 
 import asyncio
@@ -21,15 +21,15 @@ from tables import console, show
 from tutorial.checks.engine import contain
 from tutorial.checks.exercise import Exercise
 
-REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
-LIMIT = 60.0  # [s] that one may take; whoever gives no verdict by then has not rejected it
+REQUIRED = 0.98  # share of an exercise's mutants that have to be rejected or equivalent
+LIMIT = 60.0  # [s] for a mutant; without a verdict by then, it was not rejected
 JOBS = 2
 
-Outcome = dict[Mutant, bool]  # whether it is rejected
+Outcome = dict[Mutant, bool]  # whether each mutant is rejected
 
 
 async def judge_all(asked: Sequence[Exercise]) -> dict[str, Outcome]:
-    """Judge every mutant of some exercises, some at a time; return by exercise what has come of it."""
+    """Judge every mutant of some exercises, some at a time; return the outcomes by exercise."""
     turn = asyncio.Semaphore(JOBS)
 
     async def judge_one(exercise: Exercise, mutant: Mutant) -> bool:
@@ -46,7 +46,7 @@ async def judge_all(asked: Sequence[Exercise]) -> dict[str, Outcome]:
 
 
 def show_all(outcomes: dict[str, Outcome]) -> int:
-    """Print the table and what survived; return the exit status."""
+    """Print the table and the survivors; return the exit status."""
     failed, rows, bad = False, list[tuple[str, ...]](), list[str]()
     for name, outcome in outcomes.items():
         listed = {change for changes in EQUIVALENT.get(name, {}).values() for change in changes}
@@ -67,7 +67,7 @@ def show_all(outcomes: dict[str, Outcome]) -> int:
 @click.command(help=__doc__)
 @click.argument("names", metavar="[EXERCISE]...", nargs=-1, type=click.Choice(list(EXERCISES)))
 def main(names: tuple[str, ...]) -> None:
-    """Do what the command line asks for, and exit with its status."""
+    """Run the given exercises' mutants, and exit with the status."""
     contain._start = forks.start  # type: ignore[assignment]
     sys.exit(show_all(asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES]))))
 

@@ -1,4 +1,4 @@
-"""What is reported of an answer that cannot be judged, and by what name."""
+"""Reporting answers that cannot be judged, and naming them."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from tutorial.commands.checking.messages import FORGED, Judged, Outcome
 from tutorial.ros import domains
 
 
-def test_without_a_free_ros_domain_nobody_is_charged(monkeypatch):
+def test_without_a_free_domain_no_answer_is_blamed(monkeypatch):
     monkeypatch.setattr(domains, "DOMAINS", [])
     cells = ["from tutorial.checks.tank_controller import aim", "HeldJoint = aim.right_answer"]
     (answer,) = find_answers(cells, {"aim": "HeldJoint"})
@@ -31,7 +31,7 @@ def test_without_a_free_ros_domain_nobody_is_charged(monkeypatch):
         (str(Verdict((right("it moves"),))), "it is too slow"),
     ],
 )
-def test_a_right_that_is_not_as_a_check_says_it_is_not_judged(text, cause):
+def test_a_fake_right_is_not_judged(text, cause):
     judged = Judged(Outcome.RIGHT, cause, text)
     assert (judged.outcome, judged.cause) == (Outcome.NOT_JUDGED, FORGED)
 
@@ -41,6 +41,6 @@ def test_a_right_answer_may_print_a_cross():
     assert Judged(Outcome.RIGHT, "", text).outcome is Outcome.RIGHT
 
 
-def test_the_name_of_a_notebook_adds_no_line_to_the_table():
+def test_a_notebooks_name_adds_no_line_to_the_table():
     first, second = Path("class/a\nben.ipynb"), Path("class/b\x1b.ipynb")
     assert _names([first, second]) == {first: "a\\nben.ipynb", second: "b\\x1b.ipynb"}

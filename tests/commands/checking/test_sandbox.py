@@ -1,4 +1,4 @@
-"""What a process in the sandbox can reach, and what not."""
+"""What a process in the sandbox can and cannot reach."""
 
 import json
 import os
@@ -97,7 +97,7 @@ say(
 
 @pytest.fixture
 def inside(tmp_path):
-    """Run code in the sandbox, with a folder of mine; by name what became of its attempts."""
+    """Run code in the sandbox, beside a folder of the user's; return the results of its attempts by name."""
     need_sandbox_here()
     folder, mine = tmp_path / "folder", tmp_path / "mine"
     folder.mkdir()
@@ -114,8 +114,8 @@ def inside(tmp_path):
 
 
 @pytest.mark.process
-def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_is_there(inside, tmp_path):
-    """Python, MuJoCo, ROS 2 and a child process work in it, and nothing lets them out."""
+def test_the_sandbox_hides_the_users_things_and_has_what_answers_need(inside, tmp_path):
+    """Python, MuJoCo, ROS 2 and a child process work in it, and none of them can get out."""
     with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_UNIX) as service:
         service.bind(str(tmp_path / "mine" / "bus"))
         service.listen()
@@ -124,32 +124,32 @@ def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_
     for name in ("write", "read", "bus", "look"):
         assert found[name] == "FileNotFoundError", name
     assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
-    assert found["package"] == found["not_last"] == "OSError"  # it is read-only
+    assert found["package"] == found["not_last"] == "OSError"  # read-only
     assert found["tcp"] == "ConnectionRefusedError"
     assert (found["datagram"], found["kill"]) == ("OSError", "ProcessLookupError")
     assert found["mount"] == "['-1']"
-    assert found["first_to_go"] == repr("1000\n")  # where memory runs out, the kernel begins there
+    assert found["first_to_go"] == repr("1000\n")  # if memory runs out, the kernel kills these processes first
     assert found["capable"] == "['CapEff:', '0000000000000000']"
     assert found["mode"] == found["hidden"] == "PermissionError"
-    assert found["first"] == "1"  # beside it there is no process that lacks the limits
+    assert found["first"] == "1"  # no process in the sandbox is without limits
 
 
 @pytest.mark.process
-def test_files_memory_and_processes_have_an_end(inside):
+def test_files_memory_and_processes_are_limited(inside):
     found = inside(ENDS)
     assert (found["large"], found["many"], found["memory"]) == ("OSError", "OSError", "'refused'")
-    assert found["processes"] == ("BlockingIOError" if os.getuid() else "None")  # no limit holds root
+    assert found["processes"] == ("BlockingIOError" if os.getuid() else "None")  # limits do not apply to root
 
 
 @pytest.mark.process
 @pytest.mark.skipif(shutil.which("keyctl") is None, reason="there is no keyctl: apt-get install keyutils")
-def test_keys_of_my_session_are_refused(inside):
+def test_keys_of_the_session_are_refused(inside):
     show = "subprocess.run(['keyctl', 'show', '@u'], capture_output=True, text=True).stderr"
     found = inside(f"say(keys=lambda: {show})")
     assert "Operation not permitted" in found["keys"]
 
 
-def test_the_current_folder_is_not_there_though_python_may_import_from_it(monkeypatch, tmp_path):
+def test_the_current_folder_is_hidden_even_if_python_imports_from_it(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTHONPATH", ".")
@@ -157,7 +157,7 @@ def test_the_current_folder_is_not_there_though_python_may_import_from_it(monkey
 
 
 @pytest.mark.process
-def test_where_there_is_no_sandbox_it_is_said_with_the_mend(monkeypatch, tmp_path):
+def test_a_missing_sandbox_is_reported_with_the_fix(monkeypatch, tmp_path):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(TutorialError, match=r"bwrap is not found\. On Debian and Ubuntu, sudo apt-get .*--no-sandbox"):
         need_sandbox()
