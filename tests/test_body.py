@@ -1,4 +1,4 @@
-"""A body: its joints by name, and whose it is."""
+"""A body: its joints by name, and the thread that owns it."""
 
 import math
 from pathlib import Path
@@ -12,7 +12,7 @@ from tutorial.errors import TutorialError, WrongThreadError
 from tutorial.world import Placement
 
 MODELS = Path(__file__).parent.parent / "project" / "models"
-LEFT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # a quarter turn; w comes first
+LEFT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # a quarter turn; w first
 
 
 def displayed(model, *where):
@@ -39,7 +39,7 @@ def test_positions_are_set_by_name_and_the_links_follow(tank):
 
 
 @pytest.mark.parametrize(("model", "root"), [("tank", "CHASSIS"), ("crane", "BASE")])
-def test_its_pose_is_its_roots_whether_that_is_free_or_fixed_and_turned_in_mujocos_order(model, root):
+def test_its_pose_is_the_roots(model, root):
     body = displayed(model, (1.0, 2.0, 3.0), LEFT)
     assert body.position.tolist() == body.data.body(f"Robot/{root}").xpos.tolist() == [1.0, 2.0, 3.0]
     assert body.orientation_wxyz.tolist() == pytest.approx(LEFT)
@@ -56,12 +56,12 @@ def test_its_pose_is_its_roots_whether_that_is_free_or_fixed_and_turned_in_mujoc
 
 def test_its_twist_is_along_its_own_axes(tank):
     tank.orientation_wxyz = LEFT
-    tank.data.qvel[:6] = (0.0, 2.0, 3.0, 0.1, 0.2, 0.3)  # north in the world is ahead of who looks there
+    tank.data.qvel[:6] = (0.0, 2.0, 3.0, 0.1, 0.2, 0.3)  # north in the world is ahead in the body
     assert tank.twist == pytest.approx([2.0, 0.0, 3.0, 0.1, 0.2, 0.3])
     assert not displayed("crane").twist.any()
 
 
-def test_a_sensor_holds_what_was_set_and_gives_copies(tank):
+def test_a_sensor_keeps_its_values_and_returns_copies(tank):
     sensor = tank.sensor("GYRO")
     assert sensor.value.tolist() == [0.0, 0.0, 0.0]
     sensor.value = (1.0, 2.0, 3.0)
@@ -71,7 +71,7 @@ def test_a_sensor_holds_what_was_set_and_gives_copies(tank):
     assert sensor.value[0] == 1.0
 
 
-def test_what_a_model_lacks_a_body_lacks(tmp_path):
+def test_missing_parts_are_empty(tmp_path):
     floor, door = tmp_path / "floor.xml", tmp_path / "door.xml"
     floor.write_text("<mujoco><worldbody><geom type='plane' size='1 1 1'/></worldbody></mujoco>")
     door.write_text("<mujoco><worldbody><body><joint name='HINGE'/><geom size='.1'/></body></worldbody></mujoco>")
@@ -91,7 +91,7 @@ def test_what_a_model_lacks_a_body_lacks(tmp_path):
         (lambda body: body.sensor("GYRO_"), "sensor 'GYRO_'. Did you mean 'GYRO'? Known are 'ACC"),
     ],
 )
-def test_what_it_does_not_have_is_named_with_the_nearest(tank, find, said):
+def test_an_unknown_name_gets_a_suggestion(tank, find, said):
     with pytest.raises(TutorialError) as info:
         find(tank)
     assert str(info.value).startswith(f"the body 'Tank' has no {said}")
@@ -109,7 +109,7 @@ def test_what_it_does_not_have_is_named_with_the_nearest(tank, find, said):
         ("Sensor.value", lambda body: setattr(body.sensor("GYRO"), "value", (1.0, 0.0, 0.0))),
     ],
 )
-def test_another_thread_may_not_touch_it(tank, action, touch):
+def test_another_thread_must_not_touch_it(tank, action, touch):
     error = raised_elsewhere(touch, tank)
     assert isinstance(error, WrongThreadError)
     assert str(error) == (
@@ -139,6 +139,6 @@ def test_coupled_joint(tmp_path):
     gripper.set_joint_positions({"L": 0.4, "R": 0.5})
     gripper.set_joint_positions({"L": 0.6})
     assert (right.position, gripper.followers) == (0.5, set())
-    gripper.qpos[:] = 0.7, 0.8  # as a simulation has it
+    gripper.qpos[:] = 0.7, 0.8  # as in a simulation
     gripper.calc_forward_kinematics()
     assert right.position == 0.8

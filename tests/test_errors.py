@@ -1,4 +1,4 @@
-"""What goes wrong is said without harm: `tutorial.errors`."""
+"""Errors as harmless texts: `tutorial.errors`."""
 
 import pytest
 
@@ -16,19 +16,19 @@ from tutorial.errors import did_you_mean, printable, printable_lines, tell
         ("\U000e0041", r"\U000e0041"),
     ],
 )
-def test_what_a_terminal_would_obey_is_shown_as_an_escape(text, shown):
+def test_control_characters_are_escaped(text, shown):
     assert printable(text) == shown
 
 
-def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own():
+def test_a_texts_own_line_ends_and_tabs_stay():
     assert printable_lines("a\x1bb\n\tc\r\n\u202e") == "a\\x1bb\n\tc\\r\n\\u202e"
 
 
-def test_what_has_no_place_in_the_readers_file_is_told_without_a_line():
+def test_an_error_outside_the_readers_file_has_no_line():
     assert tell(ValueError("mine"), "mine.py") == "mine.py: ValueError: mine"
 
 
-def test_of_very_many_valid_names_some_are_said():
+def test_of_many_valid_names_only_some_are_listed():
     assert did_you_mean("b", "ac") == " Known are 'a', 'c'."
     said = did_you_mean("n1234", (f"n{i}" for i in range(2000)))
     assert said.startswith(" Did you mean 'n1234'? Known are 'n0', 'n1', ")

@@ -1,4 +1,4 @@
-"""The laws of the hand-off: every call once, in order, on the main thread, or refused."""
+"""The laws of the hand-off: every call runs once, in order, on the main thread, or is refused."""
 
 import asyncio
 import re
@@ -15,14 +15,14 @@ from tutorial.handoff import CallQueue, Latest
 
 
 async def until_idle(queue: CallQueue) -> None:
-    """Let the loop turn until nothing waits."""
+    """Let the loop run until no call waits."""
     while len(queue):
         await asyncio.sleep(0)
     await asyncio.sleep(0)
 
 
 def run(*steps):
-    """Give each step a queue and the list of what has run, until nothing of it waits any more; return the list."""
+    """Give each step a queue and the list of calls that ran, and wait for the queue; return the list."""
 
     async def main():
         queue, ran = CallQueue(asyncio.get_running_loop()), []
@@ -35,12 +35,12 @@ def run(*steps):
 
 
 def on_threads(jobs):
-    """Run each job on another thread, and wait for all."""
+    """Run each job on a separate thread, and wait for all."""
     with ThreadPoolExecutor() as pool:
         list(pool.map(lambda job: job(), jobs))
 
 
-def test_the_latest_is_the_initial_value_then_the_newest():
+def test_latest_is_the_initial_and_then_the_newest_value():
     latest = Latest(0)
     assert latest.get() == 0
     latest.put(1)
@@ -50,7 +50,7 @@ def test_the_latest_is_the_initial_value_then_the_newest():
 
 class TestCallLater:
     @given(st.lists(st.lists(st.integers(), max_size=30), min_size=1, max_size=4))
-    def test_every_call_runs_once_on_the_loops_thread_in_the_order_of_its_own(self, posted):
+    def test_every_call_runs_once_on_the_loops_thread_in_order(self, posted):
         def post(queue, ran):
             def poster(number, values):
                 scope = queue.scope(f"poster {number}")
@@ -64,7 +64,7 @@ class TestCallLater:
         for i, values in enumerate(posted):
             assert [value for _, number, value in ran if number == i] == values
 
-    def test_one_turn_runs_what_was_queued_when_it_began(self):
+    def test_an_iteration_runs_the_calls_queued_before_it(self):
         def post(queue, ran):
             def again():
                 ran.append("call")
@@ -78,7 +78,7 @@ class TestCallLater:
         assert run(post)[:3] == ["call", "loop", "call"], "a call that posts itself again must not hold the loop"
 
     @pytest.mark.parametrize("kind", [SystemExit, ZeroDivisionError])
-    def test_one_that_fails_is_told_with_where_it_was_posted_and_the_next_one_runs(self, kind, caplog):
+    def test_a_failure_shows_where_it_was_posted_and_later_calls_run(self, kind, caplog):
         def fail():
             raise kind
 
@@ -93,7 +93,7 @@ class TestCallLater:
         assert re.fullmatch(said, caplog.messages[0])
         assert kind.__name__ in caplog.text
 
-    def test_an_interrupted_call_does_not_cost_the_later_ones(self):
+    def test_an_interrupted_call_does_not_cancel_later_ones(self):
         def interrupt():
             raise KeyboardInterrupt
 
@@ -109,7 +109,7 @@ class TestCallLater:
         assert ran == ["waited", "came later"]
         loop.close()
         scope.call_later(print)
-        assert not len(queue), "posted when the loop is gone"
+        assert not len(queue), "posted after the loop has closed"
 
     @given(before=st.integers(0, 20), after=st.integers(0, 20))
     def test_after_close_posting_does_nothing(self, before, after):
@@ -126,7 +126,7 @@ class TestCallLater:
 
         assert run(post) == ["kept"] * before
 
-    def test_a_closed_queue_refuses_everything_and_runs_nothing(self):
+    def test_a_closed_queue_refuses_and_runs_nothing(self):
         def post(queue, ran):
             scope = queue.scope("test")
             scope.call_later(ran.append, 1)
@@ -137,7 +137,7 @@ class TestCallLater:
 
         assert run(post) == []
 
-    def test_while_it_is_being_closed_each_call_runs_once_or_is_refused(self):
+    def test_during_close_each_call_runs_once_or_is_refused(self):
         def post(queue, ran):
             def flood():
                 for i in range(3000):
@@ -154,14 +154,14 @@ class TestCallLater:
             asyncio.get_running_loop().call_soon(close)
 
         ran = run(post)
-        assert ran == list(range(len(ran))), "in order, none twice, and none lost before the close"
+        assert ran == list(range(len(ran))), "in order, each once, and all before the close"
 
 
 posts = st.lists(st.tuples(st.sampled_from([0, 1]), st.sampled_from(["a", "b", None]), st.integers()), max_size=20)
 
 
 @given(posts, posts)
-def test_of_each_key_of_a_scope_the_newest_runs_once_in_the_place_of_the_first(first, second):
+def test_the_newest_call_of_a_key_takes_the_firsts_place(first, second):
     scopes, expected = [], []
 
     def posting(posted):
@@ -174,7 +174,7 @@ def test_of_each_key_of_a_scope_the_newest_runs_once_in_the_place_of_the_first(f
                 else:
                     scopes[number].call_latest(key, ran.append, value)
                 waiting[i if key is None else (number, key)] = value
-            assert len(queue) == len(waiting), "what is replaced does not make the queue grow"
+            assert len(queue) == len(waiting), "replaced calls do not make the queue grow"
             expected.extend(waiting.values())
 
         return post
@@ -183,7 +183,7 @@ def test_of_each_key_of_a_scope_the_newest_runs_once_in_the_place_of_the_first(f
 
 
 class TestTooBusy:
-    def test_a_crowd_of_waiting_calls_is_reported_once_with_the_fix(self, caplog):
+    def test_many_waiting_calls_are_reported_once_with_advice(self, caplog):
         def post(queue, ran):
             scope = queue.scope("Viewer of Tank")
             for waiting in range(2 * handoff.CROWD):
@@ -207,7 +207,7 @@ class TestTooBusy:
         (line,) = caplog.messages
         assert "1 waiting, the first for 11.0 s. Do less in each call;" in line
 
-    def test_a_long_wait_is_reported_even_if_nothing_more_is_posted(self, caplog, monkeypatch):
+    def test_a_long_wait_is_reported_without_new_posts(self, caplog, monkeypatch):
         def post(queue, ran):
             queue.scope("Viewer of Tank").call_later(list)
             assert caplog.messages == []

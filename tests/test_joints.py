@@ -1,4 +1,4 @@
-"""Joints are matched by name. The laws as properties, the cases as a table."""
+"""Joints are matched by name. Properties state the laws, and a table lists cases."""
 
 import math
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ def test_permuting_the_pairs_changes_nothing(state, random):
 
 
 @given(pairs, st.integers(0, 5))
-def test_a_message_in_two_parts_equals_the_whole(state, cut):
+def test_a_split_message_equals_the_whole(state, cut):
     def pose(*parts):
         pose = {"TURRET_Y": 1.0, "TURRET_P": 0.5}
         for part in parts:
@@ -49,7 +49,7 @@ messages = st.builds(joint_state, st.lists(names, max_size=6), st.lists(st.float
 
 
 @given(st.lists(messages, max_size=5))
-def test_whatever_comes_in_only_known_joints_move_and_only_to_received_finite_values(stream):
+def test_only_known_joints_move_and_only_to_received_finite_values(stream):
     matcher = JointMatcher(TANK)
     for message in stream:
         values, report = matcher.match(message)
@@ -59,7 +59,7 @@ def test_whatever_comes_in_only_known_joints_move_and_only_to_received_finite_va
         assert len(report.joints) == len(values)
         assert report.clean is (str(report).count(";") == 0)
         fresh = match_joints(TANK, message)
-        assert (values, report, str(report)) == (*fresh, str(fresh[1])), "one matcher does as a fresh one does"
+        assert (values, report, str(report)) == (*fresh, str(fresh[1])), "the matcher behaves like a new one"
 
 
 TWICE = "named twice, the last number wins: 'a'"
@@ -94,13 +94,13 @@ KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
         ),
     ],
 )
-def test_what_a_message_leads_to_and_what_is_said_of_it(joints, name, position, values, said):
+def test_positions_and_report_of_a_message(joints, name, position, values, said):
     found, report = match_joints(joints, joint_state(name, position))
     assert (found, str(report)) == (values, said)
     assert report.clean is (";" not in said)
 
 
-def test_a_report_is_plain_values_its_repr_short_and_its_counts_are_of_every_kind():
+def test_a_report_is_plain_values_with_a_short_repr():
     _, report = match_joints(TANK, joint_state(["TURRET_Y", "TURRET_P"], [0.5, -0.01]))
     assert repr(report) == "JointReport('2 joints shown')"
     assert report == JointReport(("TURRET_Y", "TURRET_P"))
@@ -120,7 +120,7 @@ def test_a_report_is_plain_values_its_repr_short_and_its_counts_are_of_every_kin
     ],
     ids=["a little back", "late ones do not move the clock", "far back", "zero begins anew", "equal", "before 1970"],
 )
-def test_by_its_stamp_a_late_message_is_told_from_a_publisher_that_was_started_again(stamps_ms, dropped, said):
+def test_stamps_distinguish_late_messages_from_a_restart(stamps_ms, dropped, said):
     matcher = JointMatcher(TANK)
     for stamp in stamps_ms:
         values, report = matcher.match(joint_state(["TURRET_Y"], [0.1], stamp * 1_000_000))
@@ -142,7 +142,7 @@ FREE = {"TURRET_Y": (-math.inf, math.inf), "TURRET_P": (-math.inf, math.inf)}
 
 
 class TestOtherJoints:
-    """An arm and a gripper, whose joints jump. Joints that two publishers share may not."""
+    """An arm and a gripper, whose joints jump. Joints that two publishers share must not jump."""
 
     @pytest.mark.parametrize("publishers", [1, 2])
     @pytest.mark.parametrize("joints", [TANK, FREE])
@@ -188,17 +188,17 @@ class TestOtherJoints:
 
 @dataclass
 class Publisher:
-    """A simulated publisher: its joints swing about a middle, and its clock runs from a start."""
+    """A simulated publisher: its joints swing about a centre, and its clock starts at any time."""
 
     name: str
-    begin: float  # [s] when it publishes first
+    begin: float  # [s] of its first message
     end: float
-    clock: float  # [s] its first stamp
+    clock: float  # [s], its first stamp
     rate: float  # [Hz]
     middle: float  # [rad]
 
     def messages(self, random, jitter):
-        """(when it arrives [s], the name, the message), in order: DDS keeps the order of each publisher's messages."""
+        """Yield (time of arrival [s], name, message), in order: DDS keeps the order of each publisher's messages."""
         arrival = 0.0
         for i in range(round((self.end - self.begin) * self.rate)):
             age = i / self.rate
@@ -209,7 +209,7 @@ class Publisher:
 
 
 def follow(publishers, random, jitter, joints=TANK):
-    """What one matcher makes of them all: (when, whose message, its report)."""
+    """Match all messages with one matcher; return (time, publisher, report) for each."""
     now = 0.0
     matcher = JointMatcher(joints, lambda: sum(each.begin <= now < each.end + jitter for each in publishers))
     found = []
@@ -224,7 +224,7 @@ def arrivals(publishers, random, jitter):
 
 
 def turns(found):
-    """Whose messages were shown, each time it was another's: (since when, whose)."""
+    """Return whenever the shown publisher changes: (time, publisher)."""
     shown = [(when, name) for when, name, report in found if report.joints]
     return [each for before, each in pairwise([(0.0, ""), *shown]) if before[1] != each[1]]
 
@@ -244,7 +244,7 @@ class TestTwoPublishers:
         other = Publisher("other", 3.0, 14.0, other_start, other_rate, -1.0)
         found = follow([one, other], Random(seed), jitter, joints)
         settled = [turn for turn in turns(found) if turn[0] > 4.5]
-        assert len(settled) <= 1  # one of them, whichever; and the other one when it has gone
+        assert len(settled) <= 1  # either publisher, and the other one after it has left
         assert all(when > 9.5 and name == "other" for when, name in settled)
         assert found[-1][2].joints
         assert sum(report.arrival is Arrival.ANOTHER for _, _, report in found) > 50
@@ -254,7 +254,7 @@ class TestTwoPublishers:
         found = [matcher.match(joint_state(["finger"], [0.04 * (i % 2)], 10_000_000 * i))[1] for i in range(1, 101)]
         assert sum(report.arrival is Arrival.ANOTHER for report in found) > 40
 
-    def test_the_one_that_was_there_before_is_followed_where_the_stamps_tell_them_apart(self):
+    def test_stamps_make_it_keep_following_the_first_publisher(self):
         one, other = Publisher("one", 0, 9, 100, 50, 1.0), Publisher("other", 3, 12, 0, 50, -1.0)
         found = follow([one, other], Random(0), 0.005)
         assert [name for _, name in turns(found)] == ["one", "other"]
@@ -284,7 +284,7 @@ class TestTwoPublishers:
 
     @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])
     @pytest.mark.parametrize("other_stamp_ms", [-500, 0, 5], ids=["older", "one stamp", "newer"])
-    def test_one_that_sends_its_joints_in_turn(self, joints, other_stamp_ms):
+    def test_a_publisher_that_sends_its_joints_in_turn(self, joints, other_stamp_ms):
         matcher, found = JointMatcher(joints, lambda: 2), []
         for i in range(100):
             stamp_ns = 1_000_000_000 + 20_000_000 * i
@@ -307,7 +307,7 @@ class TestTwoPublishers:
         assert found.count(Arrival.ANOTHER) == 1
         assert found.count(Arrival.NEXT) == 99
 
-    def test_one_that_stalls_while_both_go_on_is_not_followed_any_more(self):
+    def test_a_stalled_publisher_is_no_longer_followed(self):
         one, other = Publisher("one", 0, 9, 100, 50, 1.0), Publisher("other", 3, 12, 0, 50, -1.0)
         matcher = JointMatcher(TANK, lambda: 2)
         found = [
@@ -318,20 +318,20 @@ class TestTwoPublishers:
         assert [name for _, name in turns(found)] == ["one", "other"]
         assert [round(when, 1) for when, _, report in found if report.arrival is Arrival.SWITCHED] == [5.5]
 
-    def test_one_alone_that_was_started_again_is_shown_at_once_whoever_else_there_was(self):
+    def test_a_single_restarted_publisher_is_shown_at_once(self):
         before, again = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("again", 5, 7, 0, 50, -1.0)
         found = follow([before, Publisher("other", 2, 4, 50, 50, 0.0), again], Random(0), 0.0)
         first = next(report for _, name, report in found if name == "again")
         assert str(first).startswith("2 joints shown; the publisher was started again")
 
-    def test_when_the_followed_one_has_gone_the_other_is_shown_at_once_and_it_is_said(self):
+    def test_when_the_followed_one_leaves_the_other_is_shown_at_once(self):
         one, other = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("other", 2, 6, 0, 50, -1.0)
         found = follow([one, other], Random(0), 0.0)
         ((when, name, report),) = [each for each in found if each[2].arrival is Arrival.SWITCHED]
         assert (when, name) == (pytest.approx(4.0), "other")
         assert str(report).endswith(SILENT)
 
-    def test_a_late_message_is_late_also_when_another_has_come_and_gone(self):
+    def test_a_late_message_stays_late_after_a_visitor(self):
         publishers = [2]
         matcher, found = JointMatcher(TANK, lambda: publishers[0]), []
         for stamp_ms, publishers[0] in ((1000, 2), (500, 2), (1100, 1), (1200, 1), (1150, 1)):
@@ -339,7 +339,7 @@ class TestTwoPublishers:
             found.append(matcher.match(message)[1].arrival.name)
         assert found == ["NEXT", "ANOTHER", "NEXT", "NEXT", "LATE"]
 
-    def test_beside_a_silent_one_a_new_start_is_taken_within_half_a_second(self):
+    def test_beside_a_silent_one_a_restart_is_accepted_in_half_a_second(self):
         matcher, count = JointMatcher(TANK, lambda: 2), 0
         matcher.match(joint_state(["TURRET_Y"], [1.0], 50_000_000_000))
         while not matcher.match(joint_state(["TURRET_Y"], [0.0], count * 20_000_000))[0]:
@@ -355,7 +355,7 @@ class TestTwoPublishers:
         ],
         ids=["one alone", "those with other joints", "those that agree"],
     )
-    def test_where_nothing_tells_them_apart_all_are_shown(self, joints, publishers, message):
+    def test_indistinguishable_publishers_are_all_shown(self, joints, publishers, message):
         matcher = JointMatcher(joints, lambda: publishers)
         for i in range(50):
             joint, position = message(i)

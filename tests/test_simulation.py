@@ -1,4 +1,4 @@
-"""The simulated copy: stepped at once or in real time, and seen by controllers through their io."""
+"""The simulated copy: stepped at once or in real time, and used by controllers through their io."""
 
 import _thread
 import sys
@@ -24,7 +24,7 @@ TANK = Placement("Tank", Path(__file__).parent.parent / "project" / "models" / "
 
 
 class Recorder(SimpleController):
-    """Writes down what it is asked for, and where. One made from it acts in one of its methods."""
+    """Records its calls and threads. A subclass can act in one of its methods."""
 
     def __init__(self, method=None):
         self.method = method
@@ -62,7 +62,7 @@ def recorder():
 
 
 class TestAdvance:
-    def test_asks_for_control_before_every_step_and_goes_on_where_it_was(self, recorder):
+    def test_control_runs_before_every_step_and_advance_continues(self, recorder):
         recorder.simulation.advance(0.003)
         recorder.simulation.advance(0.002)
         assert recorder.times == [0.0, 0.001, 0.002, 0.003, 0.004]
@@ -72,7 +72,7 @@ class TestAdvance:
         recorder.simulation.advance(0.995)
         assert recorder.io.time_ns == 999_000_000, "an exact multiple of the step"
 
-    def test_a_controller_that_cannot_start_is_asked_again_at_the_next_start(self, recorder):
+    def test_a_controller_that_cannot_start_is_tried_again(self, recorder):
         class Unready(Recorder):
             def act(self):
                 if len(self.calls) == 1:
@@ -82,15 +82,15 @@ class TestAdvance:
         simulation = simulate(recorder, unready)
         with pytest.raises(ControllerError, match="Unready failed at"):
             simulation.advance(0.001)
-        assert recorder.calls == ["initialize", "stop"], "what was ready is let go"
-        assert unready.calls == ["initialize"], "what never was ready is not stopped"
+        assert recorder.calls == ["initialize", "stop"], "a started controller is stopped"
+        assert unready.calls == ["initialize"], "a controller that did not start is not stopped"
         simulation.advance(0.001)
         assert (simulation.state, simulation.error) == (State.IDLE, None)
         simulation.stop()
         assert recorder.times == unready.times == [0.0]
         assert recorder.calls == ["initialize", "stop"] * 2
 
-    def test_displayed_bodies_are_moved_to_where_the_copy_is_which_repeats_itself_to_the_bit(self):
+    def test_displayed_bodies_move_to_the_copy_which_is_reproducible(self):
         simulation = Simulation([TANK])
         shown = Body.displayed(TANK)
         assert np.array_equal(shown.qpos, simulation.bodies["Tank"].qpos)
@@ -104,7 +104,7 @@ class TestAdvance:
 
 
 class TestRealTime:
-    def test_keeps_pace_stops_at_its_duration_and_starts_again_there(self, recorder):
+    def test_it_keeps_pace_stops_at_its_duration_and_continues(self, recorder):
         began = time.monotonic()
         recorder.simulation.start(0.5)
         until(lambda: not recorder.simulation.running)
@@ -117,7 +117,7 @@ class TestRealTime:
         assert recorder.threads == {"simulation"}
         assert recorder.calls[-2:] == ["initialize", "stop"]
 
-    def test_refuses_what_cannot_be_and_leaves_nothing_when_it_stops(self, recorder):
+    def test_impossible_calls_are_refused_and_stop_leaves_nothing(self, recorder):
         simulation, before = recorder.simulation, sys.getswitchinterval()
         simulation.start()
         for call, said in (
@@ -136,7 +136,7 @@ class TestRealTime:
         assert sys.getswitchinterval() == before
 
     @pytest.mark.parametrize(("steps", "said"), [(40, []), (36, ["0.94", "0.90"]), (10, ["0.30", "0.25"])])
-    def test_says_when_the_machine_cannot_keep_up(self, steps, said, caplog, monkeypatch):
+    def test_a_slow_machine_is_reported(self, steps, said, caplog, monkeypatch):
         now = 100.0
         monkeypatch.setattr(simulation_module.time, "perf_counter", lambda: now)
         pace, step = simulation_module._Pace(7000, 0.001), 7000
@@ -151,7 +151,7 @@ class TestRealTime:
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
-def test_a_state_that_is_no_number_is_said_once_and_leaves_no_file(value, tmp_path, monkeypatch, caplog, capfd):
+def test_a_state_with_nan_is_reported_once_and_leaves_no_file(value, tmp_path, monkeypatch, caplog, capfd):
     class Wild(Recorder):
         def act(self):
             self.io.body.actuator("TRACK_L").ctrl = value
@@ -170,7 +170,7 @@ def test_a_state_that_is_no_number_is_said_once_and_leaves_no_file(value, tmp_pa
 
 
 class Raising(Recorder):
-    """Raises what it is given, in the method it is given; in control at the fourth step."""
+    """Raises the given exception in the given method; in control at the fourth step."""
 
     def __init__(self, kind, method):
         super().__init__(method)
@@ -182,9 +182,9 @@ class Raising(Recorder):
 
 
 @pytest.mark.parametrize("kind", [ValueError, SystemExit, KeyboardInterrupt, GeneratorExit])
-class TestWhateverAControllerRaises:
+class TestFailingController:
     @pytest.mark.parametrize(("method", "when"), [("initialize", "0.000"), ("control", "0.003")])
-    def test_is_told_with_its_place_raised_by_advance_and_logged_by_the_thread(self, kind, method, when, caplog):
+    def test_advance_raises_it_and_the_thread_logs_it(self, kind, method, when, caplog):
         simulation = simulate(Raising(kind, method))
         said = rf"^Raising failed at {when} s of simulated time: test_simulation\.py, line \d+, in act: {kind.__name__}"
         with pytest.raises(ControllerError, match=said) as info:
@@ -199,7 +199,7 @@ class TestWhateverAControllerRaises:
         assert caplog.messages == [str(simulation.error)] == [str(info.value)]
         simulation.stop()
 
-    def test_when_it_is_stopped_is_kept_and_logged_and_the_others_are_stopped(self, kind, caplog):
+    def test_an_error_in_stop_is_kept_and_the_rest_are_stopped(self, kind, caplog):
         after = Recorder()
         simulation = simulate(Raising(kind, "stop"), after)
         simulation.advance(0.001)
@@ -209,7 +209,7 @@ class TestWhateverAControllerRaises:
         assert str(simulation.error) in caplog.text
         assert after.calls == ["initialize", "stop"]
 
-    def test_when_its_body_is_released_is_kept_and_the_simulation_goes_on(self, kind):
+    def test_an_error_on_release_is_kept_and_the_simulation_goes_on(self, kind):
         simulation = simulate(Raising(kind, "stop"))
         simulation.start()
         until(lambda: simulation.step)
@@ -220,7 +220,7 @@ class TestWhateverAControllerRaises:
         assert str(simulation.error).endswith(f", in act: {kind.__name__}: mine")
 
 
-def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
+def test_an_interrupted_advance_can_be_continued():
     def interrupt():
         until(lambda: simulation.step)
         _thread.interrupt_main()
@@ -237,20 +237,20 @@ def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
     assert simulation.step == step + 1
 
 
-def test_the_last_of_several_puts_the_switch_interval_back():
+def test_the_last_simulation_restores_the_switch_interval():
     before = sys.getswitchinterval()
     first, second = Simulation([TANK]), Simulation([TANK])
     first.start()
     second.start()
     until(lambda: first.step and second.step)
     first.stop()
-    until(lambda: sys.getswitchinterval() < before, "the second, which still runs")
+    until(lambda: sys.getswitchinterval() < before, "the second one, which is still running")
     second.stop()
     assert sys.getswitchinterval() == before
 
 
 class Stuck(Recorder):
-    """Does not return from one of its methods, until it is let."""
+    """Hangs in one of its methods until the test releases it."""
 
     def __init__(self, method="control"):
         super().__init__(method)
@@ -268,7 +268,7 @@ class Stuck(Recorder):
 
 @pytest.fixture
 def stuck(monkeypatch):
-    """A controller that does not return, in a simulation that waits for it only a moment."""
+    """A hanging controller, in a simulation that waits for it only a moment."""
     monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
     controller = Stuck()
     yield controller
@@ -282,21 +282,21 @@ SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\.
 CALLS = {"advance": (0.01,), "start": (), "release": ("Tank",)}
 
 
-class TestAControllerThatDoesNotReturn:
+class TestHangingController:
     @pytest.mark.parametrize("method", ["initialize", "control", "stop"])
     @pytest.mark.parametrize("call", ["release", "stop"])
-    def test_is_not_waited_for_without_end(self, stuck, call, method, monkeypatch):
+    def test_stopping_does_not_wait_forever(self, stuck, call, method, monkeypatch):
         stuck.method = method
         if method == "stop":
             stuck.simulation.advance(0.001)
-            monkeypatch.setattr("tutorial.simulation.STUCK", 1.0)  # it may take so long to come there
+            monkeypatch.setattr("tutorial.simulation.STUCK", 1.0)  # reaching the method may take this long
         else:
             stuck.start()
         with nullcontext() if call == "stop" else pytest.raises(ControllerError, match=SAID):
             getattr(stuck.simulation, call)(*CALLS.get(call, ()))
         assert stuck.simulation.state is State.ABANDONED
 
-    def test_and_its_simulation_are_never_touched_again_and_everything_says_so(self, stuck, caplog):
+    def test_it_and_its_simulation_are_abandoned_with_an_error(self, stuck, caplog):
         simulation = stuck.simulation
         stuck.start()
         simulation.stop()
@@ -315,7 +315,7 @@ class TestAControllerThatDoesNotReturn:
         assert simulation.step == simulation.world.data.time == 0.0
         assert stuck.calls == ["initialize"]
 
-    def test_keeps_only_the_thread_that_advances(self, stuck):
+    def test_only_the_advancing_thread_waits(self, stuck):
         with ThreadPoolExecutor(1) as pool:
             advancing = pool.submit(stuck.simulation.advance, 1.0)
             assert stuck.there.wait(PATIENCE)
@@ -326,7 +326,7 @@ class TestAControllerThatDoesNotReturn:
                 advancing.result(PATIENCE)
 
 
-def test_a_body_is_released_and_an_advance_stopped_by_another_thread(recorder):
+def test_releasing_a_body_and_stopping_an_advance_from_another_thread(recorder):
     def release():
         until(lambda: recorder.times)
         recorder.simulation.release("Tank")

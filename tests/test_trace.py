@@ -1,4 +1,4 @@
-"""What is written down of messages and calls on their way from thread to thread."""
+"""The trace of messages and calls on their way from thread to thread."""
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
@@ -13,7 +13,7 @@ from tutorial.trace import HandoffTrace
 
 
 def run(scenario):
-    """Run a scenario with a trace and a scope of a traced queue; return what was written down."""
+    """Run a scenario with a trace and a scope of a traced queue; return the trace's records."""
 
     async def main():
         trace = HandoffTrace()
@@ -53,7 +53,7 @@ def test_every_call_that_a_callback_posts_is_followed():
     assert (second.topic, third.topic, third.received) == ("/joy", None, None)
 
 
-def test_a_call_that_is_dropped_goes_on_waiting():
+def test_a_dropped_call_keeps_waiting():
     def scenario(trace, scope):
         scope.call_later(list)
         scope.close()
@@ -62,7 +62,7 @@ def test_a_call_that_is_dropped_goes_on_waiting():
     assert handoff.outcome == "waiting"
 
 
-def test_a_callback_that_fails_is_over_all_the_same():
+def test_a_failed_callback_is_finished():
     trace = HandoffTrace()
     with pytest.raises(ZeroDivisionError), trace.receiving("/joy"):
         raise ZeroDivisionError
@@ -79,7 +79,7 @@ def test_memory_is_bounded():
     assert [handoff.topic for handoff in trace.handoffs()] == [f"/topic{i}" for i in range(90, 100)]
 
 
-def test_what_is_returned_does_not_change_any_more():
+def test_returned_records_do_not_change():
     trace = HandoffTrace()
     handoff = trace.post()
     (before,) = trace.handoffs()
@@ -87,7 +87,7 @@ def test_what_is_returned_does_not_change_any_more():
     assert (before.outcome, trace.handoffs()[0].outcome) == ("waiting", "applied")
 
 
-def test_threads_do_not_take_one_anothers_messages():
+def test_threads_do_not_mix_up_their_messages():
     trace = HandoffTrace()
     with ThreadPoolExecutor(1) as pool, trace.receiving("/joy"):
         pool.submit(trace.post).result()
@@ -96,7 +96,7 @@ def test_threads_do_not_take_one_anothers_messages():
 
 
 @in_a_loop
-async def test_a_nodes_messages_are_followed_from_thread_to_thread(domain):
+async def test_a_nodes_messages_are_traced_from_thread_to_thread(domain):
     trace, arrived = HandoffTrace(), asyncio.Event()
     scope = CallQueue(asyncio.get_running_loop(), trace).scope("test")
     with NodeThread("tester", trace=trace) as ros:

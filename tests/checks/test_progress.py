@@ -1,4 +1,4 @@
-"""What is solved is remembered beside the notebook, and nowhere else."""
+"""Solved exercises are recorded beside the notebook, and nowhere else."""
 
 import json
 import os
@@ -26,21 +26,21 @@ print(progress())
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A notebook's folder, in which this process works."""
-    monkeypatch.delenv("TANK_PROGRESS")  # it keeps what tests solve from the course's own folder
+    """A notebook's folder, as the current directory."""
+    monkeypatch.delenv("TANK_PROGRESS")  # it keeps the tests' records out of the course's folder
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.fixture
 def notebook(folder, monkeypatch):
-    """The same, as a notebook's kernel sees it."""
+    """The same folder, as in a notebook's kernel."""
     monkeypatch.setattr(progress, "_in_notebook", lambda: True)
     return folder
 
 
 @pytest.mark.process
-def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
+def test_a_kernel_records_solved_exercises_beside_its_notebook(folder):
     with kernel() as running:
         printed = running.run(SOLVE)
     today = date.today().isoformat()
@@ -50,7 +50,7 @@ def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
     assert [path.name for path in folder.iterdir()] == [FILE]
 
 
-def test_the_first_day_counts_and_others_stay(notebook):
+def test_the_first_date_and_other_entries_stay(notebook):
     (notebook / "own").write_text('{"solved": {"aim": "2026-01-02", "gyro": 5}}')
     (notebook / FILE).symlink_to("own")
     remember("aim")
@@ -61,7 +61,7 @@ def test_the_first_day_counts_and_others_stay(notebook):
 
 
 @pytest.mark.parametrize("text", ["", '{"solved": ["hop"]}', "\xff", "[" * 100_000])
-def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
+def test_a_broken_file_is_reported_and_not_changed(notebook, text):
     (notebook / FILE).write_text(text, encoding="latin-1")
     said = repr(Overview(exercise_names()))
     assert re.search(r"\n0 of \d+ exercises are solved\.\n", said)
@@ -71,13 +71,13 @@ def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
 
 
 @pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.touch() or os.truncate(path, 3 * 10**9)])
-def test_what_is_no_small_file_is_not_read(notebook, make):
+def test_a_file_that_is_not_small_and_regular_is_not_read(notebook, make):
     make(notebook / FILE)
     remember("aim")
     assert "it is no file of at most 1 MB." in read_progress()[1]
 
 
-def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
+def test_a_failed_write_does_not_change_the_file(notebook, monkeypatch):
     remember("aim")
     monkeypatch.setattr("pathlib.Path.replace", Mock(side_effect=OSError(28, "No space left on device")))
     remember("show")
@@ -85,15 +85,15 @@ def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
     assert [path.name for path in notebook.iterdir()] == [FILE]
 
 
-def test_where_there_is_no_notebook_nothing_is_remembered(folder):
+def test_without_a_notebook_nothing_is_recorded(folder):
     remember("aim")
     assert list(folder.iterdir()) == []
 
 
-def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
+def test_the_overview_lists_every_exercise_once(folder):
     (folder / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
     names = [name for own in exercise_names().values() for name in own]
-    assert len(names) == len(set(names)), "they are known by their names"
+    assert len(names) == len(set(names)), "names identify exercises"
     *rows, last = repr(Overview(exercise_names())).splitlines()
     assert [row.split()[-3 if "solved" not in row else -4] for row in rows] == names
     assert [row.split()[-4:] for row in rows if "solved" in row] == [["aim", "solved", "on", "2026-01-02"]]
@@ -108,7 +108,7 @@ def test_empty_overview(folder):
     assert "0 of 0 exercises are solved." in overview._repr_html_()
 
 
-def test_tank_progress_shows_the_folder_one_is_in_or_names(folder):
+def test_tank_progress_shows_the_current_or_given_folder(folder):
     (folder / "notebooks").mkdir()
     (folder / "notebooks" / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
     for words in ((), (str(folder),), (str(folder / "notebooks"),)):

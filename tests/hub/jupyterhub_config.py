@@ -1,4 +1,4 @@
-"""Configure a JupyterHub with the course, to try it out with ``make hub``. All users share a password and an account."""
+"""Configure a JupyterHub to try the course with ``make hub``. All users share a password and an account."""
 
 import os
 import shutil

@@ -13,7 +13,7 @@ SERVO = '<position name="R/p" joint="R/J" kp="20"/>'
 
 
 def body_of(*actuators, option='timestep="0.0005"'):
-    """A body that turns about its one joint, J, with these actuators."""
+    """Return a body with these actuators, which turns about its only joint, J."""
     text = (
         f'<mujoco><option {option}/><default><default class="geared"><position kp="20" gear="-3"/></default></default>'
         f"{PLUGIN}<worldbody>{BODY}</worldbody>{TENDON}<actuator>{''.join(actuators)}</actuator></mujoco>"

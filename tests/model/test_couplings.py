@@ -1,4 +1,4 @@
-"""Coupled joints: a joint that no message names is where MuJoCo's equalities put it."""
+"""Coupled joints: MuJoCo's equalities set the joints that no message names."""
 
 import mujoco
 import numpy as np
@@ -19,7 +19,7 @@ D_FOLLOWS_C = '<joint joint1="R/d" joint2="R/c"/>'
 
 
 def model_of(*equalities, option=""):
-    """A model of a body `R` with coupled joints."""
+    """Return the model of a body `R` with coupled joints."""
     return mujoco.MjModel.from_xml_string(
         f'<mujoco><compiler angle="radian"/>{option}<worldbody>{JOINTS}</worldbody>'
         f"<equality>{''.join(equalities)}</equality></mujoco>"
@@ -27,7 +27,7 @@ def model_of(*equalities, option=""):
 
 
 class Robot:
-    """The positions of a model's joints, and what follows."""
+    """A model's joint positions, with the followers."""
 
     def __init__(self, model):
         self.model, self.data = model, mujoco.MjData(model)
@@ -43,7 +43,7 @@ class Robot:
         return self.data.joint(f"R/{name}").qpos[0]
 
     def error(self):
-        """How far the equalities are violated, according to MuJoCo."""
+        """Return the largest violation of the equalities, according to MuJoCo."""
         mujoco.mj_forward(self.model, self.data)
         return np.abs(self.data.efc_pos[self.data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY]).max(initial=0.0)
 

@@ -4,7 +4,7 @@ from tutorial.model import mujoco_warnings
 from tutorial.model.mujoco_warnings import _MujocoWarns
 
 
-def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):
+def test_warnings_are_counted_and_logged_now_and_then(caplog, monkeypatch):
     monkeypatch.setattr(mujoco_warnings, "WARN_EVERY", 1000.0)
     mujoco_warns = _MujocoWarns()
     mujoco_warns("Nan, Inf or huge value in CTRL at ACTUATOR 0.")
@@ -19,6 +19,6 @@ def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatc
     ]
 
 
-def test_a_log_that_fails_does_not_end_the_process(monkeypatch):
+def test_a_failing_log_does_not_end_the_process(monkeypatch):
     monkeypatch.setattr(mujoco_warnings, "_log", None)
     _MujocoWarns()("nobody hears it")

@@ -1,4 +1,4 @@
-"""The options of a world: those of a single model, those on which models agree, and a warning about the others."""
+"""The options of a world: those of a single model, those that all models share, and a warning about conflicts."""
 
 import mujoco
 import pytest
@@ -28,7 +28,7 @@ VALUES = {
 
 @pytest.fixture
 def world(tmp_path):
-    """Compose models, each of a body and the given content."""
+    """Compose models, each with a body and the given content."""
 
     def world(*contents, body=BODY, time_step=None):
         paths = [tmp_path / f"{'abc'[i]}.xml" for i in range(len(contents))]

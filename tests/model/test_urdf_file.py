@@ -1,4 +1,4 @@
-"""URDF as a model: what is shown, where its meshes are found, and what to do if it cannot be read."""
+"""URDF as a model: the displayed shapes, the search for meshes, and errors with advice."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Tests that are coroutines run as a cell does: on a loop, and everything that they opened is closed behind them."""
+"""Run coroutine tests like a cell: on a loop, and close everything that they opened."""
 
 import asyncio
 import inspect

@@ -1,4 +1,4 @@
-"""A bag that is played from a cell."""
+"""Playing a bag from a cell."""
 
 import asyncio
 
@@ -16,7 +16,7 @@ TOPIC = "/Tank/joint_state"
 
 @pytest.fixture
 def drive(tmp_path):
-    """A bag of two messages, 20 ms apart."""
+    """A bag with two messages, 20 ms apart."""
     bag, connection = open_bag(tmp_path, TOPIC)
     for i in range(2):
         bag.write(connection, 20_000_000 * i, serialize_message(JointState(name=["TURRET_Y"], position=[float(i)])))
@@ -24,7 +24,7 @@ def drive(tmp_path):
     return bag.path
 
 
-async def test_it_is_heard_until_it_is_interrupted_and_what_it_does_not_hold_is_said(drive, domain):
+async def test_a_bag_plays_until_it_is_interrupted(drive, domain):
     heard = []
     ear = open_node("ear")
     ear.create_subscription(JointState, TOPIC, lambda message: heard.append(message.position[0]), 100)
@@ -36,4 +36,4 @@ async def test_it_is_heard_until_it_is_interrupted_and_what_it_does_not_hold_is_
     with pytest.raises(asyncio.CancelledError):
         await playing
     assert heard == [0.0]
-    assert [thread.full_name for thread in NodeThread.alive] == ["/ear"], "the player's node has gone"
+    assert [thread.full_name for thread in NodeThread.alive] == ["/ear"], "the player's node was closed"

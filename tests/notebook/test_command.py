@@ -1,4 +1,4 @@
-"""A command beside the kernel: what it says, and that it ends."""
+"""A command beside the kernel: its output and its end."""
 
 import shlex
 import sys
@@ -19,12 +19,12 @@ def python(code):
 
 
 async def process_of(command):
-    """The process of what says its number, as soon as it is up."""
+    """Return a command's process, once it has printed its number."""
     await command.says("up")
     return int(command.output.split()[0])
 
 
-async def test_it_says_and_ends():
+async def test_it_prints_and_ends():
     command = python("print('hello'); import sys; print('there', file=sys.stderr); sys.exit(3)")
     await command.says("there")
     assert await command.ends() == 3
@@ -55,7 +55,7 @@ async def test_one_that_does_not_stop_is_killed(monkeypatch):
     await until(lambda: not psutil.pid_exists(pid))
 
 
-async def test_tank_is_found_without_activating_anything(monkeypatch):
+async def test_tank_is_found_without_activating_an_environment(monkeypatch):
     monkeypatch.setenv("PATH", "/usr/bin:/bin")
     command = start_command("tank --version")
     assert repr(command) == "Command('tank --version')"
@@ -64,6 +64,6 @@ async def test_tank_is_found_without_activating_anything(monkeypatch):
 
 
 @pytest.mark.parametrize("line", ["tnak joy", ""])
-def test_a_command_that_there_is_not(line):
+def test_an_unknown_command_is_refused(line):
     with pytest.raises(TutorialError, match="there is no command"):
         start_command(line)

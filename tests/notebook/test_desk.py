@@ -1,4 +1,4 @@
-"""What is open in a kernel: under each name one thing, and in the end nothing."""
+"""The things that are open in a kernel: one under each name, and none after closing."""
 
 import asyncio
 import logging
@@ -20,7 +20,7 @@ def empty_desk(monkeypatch):
     desk.logged.lines.clear()
 
 
-def test_what_was_open_under_a_name_is_closed_first_and_in_the_end_all_is_the_newest_first():
+def test_reopening_a_name_closes_the_old_one_and_close_all_goes_backwards():
     diary = []
     for name in "abac":
         keep(name, lambda name=name: diary.append(f"+{name}"), lambda _, name=name: diary.append(f"-{name}"))
@@ -29,7 +29,7 @@ def test_what_was_open_under_a_name_is_closed_first_and_in_the_end_all_is_the_ne
     assert diary == ["+a", "+b", "-a", "+a", "+c", "-c", "-a", "-b"]
 
 
-def test_when_making_fails_the_old_is_closed_all_the_same_and_nothing_is_kept():
+def test_a_failed_opening_closes_the_old_one_and_keeps_nothing():
     closed = []
     keep("node a", object, closed.append)
     with pytest.raises(ZeroDivisionError):
@@ -38,11 +38,11 @@ def test_when_making_fails_the_old_is_closed_all_the_same_and_nothing_is_kept():
     assert len(closed) == 1
 
 
-def test_what_is_kept_once_stays():
+def test_keep_once_keeps_the_first():
     assert keep_once("tools", object, print) is keep_once("tools", object, print)
 
 
-def test_one_that_cannot_be_closed_does_not_keep_the_others_open(capsys):
+def test_a_failure_to_close_does_not_keep_the_rest_open(capsys):
     closed = []
     first = keep("a", object, closed.append)
     keep("b", object, lambda thing: 1 / 0)
@@ -52,7 +52,7 @@ def test_one_that_cannot_be_closed_does_not_keep_the_others_open(capsys):
     assert capsys.readouterr().out == "[ERROR] b could not be closed: ZeroDivisionError: division by zero\n"
 
 
-async def test_until_leaves_the_loop_free_and_says_what_it_waited_for():
+async def test_until_lets_the_loop_run_and_names_its_condition():
     done = []
     asyncio.get_running_loop().call_later(0.05, done.append, True)
     await until(lambda: done)
@@ -62,8 +62,8 @@ async def test_until_leaves_the_loop_free_and_says_what_it_waited_for():
         await until(lambda: logger.error("no match"), patience=0.02)
 
 
-def test_errors_may_pour_in_while_they_are_looked_at(capsys):
-    """The one who waits in vain, and the one who prints, see whole lines, however often the threads change."""
+def test_errors_may_be_logged_while_they_are_read(capsys):
+    """A failing `until`, and `log`, see whole lines, even if threads switch constantly."""
     enough = threading.Event()
 
     def pour():
@@ -86,7 +86,7 @@ def test_errors_may_pour_in_while_they_are_looked_at(capsys):
     assert set(capsys.readouterr().out.splitlines()) <= {"[ERROR] again"}
 
 
-def test_what_is_logged_on_any_thread_is_printed_when_asked_for(capsys):
+def test_log_prints_lines_of_any_thread(capsys):
     def work():
         logger.warning("the rate is %d", 50)
         try:

@@ -1,4 +1,4 @@
-"""What importing `tutorial.notebook` does to a kernel."""
+"""The effects of importing `tutorial.notebook` on a kernel."""
 
 import logging
 import os
@@ -19,7 +19,7 @@ from tutorial.notebook.desk import logged
 
 @pytest.fixture
 def prepare(monkeypatch):
-    """Prepare this process for a notebook with some variables, as if it were another one; return what comes of it."""
+    """Prepare this process for a notebook, with environment variables; return the shell and the exit functions."""
     shell, at_exit = SimpleNamespace(display_formatter=DisplayFormatter()), []
     with ExitStack() as until_exit, monkeypatch.context() as patch:
         patch.setattr(process, "_until_exit", until_exit)
@@ -37,14 +37,14 @@ def prepare(monkeypatch):
         yield run
 
 
-def test_a_forgotten_await_is_named_and_python_does_not_complain_later(prepare):
+def test_a_forgotten_await_is_explained(prepare):
     shell, _ = prepare()
     for call, name in ((topic_list(), "topic_list"), (drive.check(), "Exercise.check")):
         shown, _ = shell.display_formatter.format(call)
         assert shown["text/plain"] == f"{name} has not run yet: this takes a while, so write await before it."
 
 
-def test_a_notebook_is_heard_on_its_own_machine_and_by_no_other_unless_it_is_told_otherwise(prepare):
+def test_notebooks_have_separate_local_domains_by_default(prepare):
     domains = [prepare() and os.environ["ROS_DOMAIN_ID"] for _ in range(2)]
     assert domains[0] != domains[1]
     assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
@@ -52,14 +52,14 @@ def test_a_notebook_is_heard_on_its_own_machine_and_by_no_other_unless_it_is_tol
     assert (os.environ["ROS_DOMAIN_ID"], os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]) == ("7", "OFF")
 
 
-def test_what_is_logged_goes_nowhere_else_and_everything_is_closed_at_the_end(prepare):
+def test_log_lines_stay_in_the_notebook_and_exit_closes_everything(prepare):
     logger = logging.getLogger("tutorial")
     assert logged in logger.handlers
     assert prepare()[1] == [close_all]
     assert not logger.propagate
 
 
-def test_without_ipython_there_is_nothing_to_explain(prepare, monkeypatch):
+def test_without_ipython_nothing_is_explained(prepare, monkeypatch):
     for shell in (None, SimpleNamespace(display_formatter=None)):
         monkeypatch.setattr(process, "get_ipython", lambda shell=shell: shell)
         prepare()
@@ -71,7 +71,7 @@ def test_names_in_ipykernel():
 
 
 @pytest.mark.process
-def test_a_cell_ends_in_its_own_name_whatever_pages_say_meanwhile():
+def test_messages_of_pages_do_not_change_a_cells_parent():
     with kernel() as running:
         comm_id = running.run("import asyncio, comm, tutorial.notebook\nprint(comm.create_comm().comm_id)")
         client = running.client

@@ -1,4 +1,4 @@
-"""A program within a kernel: what a notebook's cells do with it."""
+"""A program within a kernel, used as in a notebook's cells."""
 
 import math
 import os
@@ -32,7 +32,7 @@ def with_controller(project, controller):
     return Project.load(find_project(project)).with_controllers("Tank", controller)
 
 
-async def test_a_project_is_opened_by_name_run_drawn_between_the_cells_and_closed():
+async def test_a_program_is_opened_run_drawn_and_closed():
     before = {thread.name for thread in threading.enumerate()}
     program = open_program("step1", node="simulation")
     assert repr(program) == "Program('simulation', bodies=['Labo', 'Tank'])"
@@ -50,7 +50,7 @@ async def test_a_project_is_opened_by_name_run_drawn_between_the_cells_and_close
     assert repr(program) == "Program('simulation', closed)"
 
 
-async def test_the_next_start_forgets_what_failed_before():
+async def test_a_new_start_forgets_the_last_error():
     class Hasty(SimpleController):
         hasty = True
 
@@ -68,7 +68,7 @@ async def test_the_next_start_forgets_what_failed_before():
         assert program.error is None
 
 
-async def test_one_of_the_same_node_name_is_closed_first():
+async def test_a_program_of_the_same_node_name_is_closed_first():
     first = open_program("step3", node="viewer")
     viewer = open_program("step3", node="viewer")
     hand = open_node("hand")
@@ -82,7 +82,7 @@ async def test_one_of_the_same_node_name_is_closed_first():
         viewer.simulation.start()
 
 
-async def test_what_comes_in_is_counted_and_what_waits():
+async def test_received_and_waiting_messages_are_counted():
     class Posts(SimpleController):
         def configure(self, config):
             post = partial(config.call_latest, "joints", list)
@@ -98,7 +98,7 @@ async def test_what_comes_in_is_counted_and_what_waits():
     await until(lambda: viewer.waiting == 0)
 
 
-async def test_time_is_started_and_stopped_twice_and_not_when_closed():
+async def test_starting_twice_is_harmless_and_a_closed_program_refuses():
     program = open_program("step1")
     program.start()
     program.start()
@@ -114,7 +114,7 @@ async def test_time_is_started_and_stopped_twice_and_not_when_closed():
         await program.run(0.1)
 
 
-async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_without_one(monkeypatch):
+async def test_a_simulation_rests_only_after_its_page_was_closed(monkeypatch):
     def below():
         return lines(program.view.whole()[0])[0]
 
@@ -165,13 +165,13 @@ THREADS = "import threading\nprint(sorted(t.name for t in threading.enumerate())
 
 @pytest.fixture
 def family(domain, monkeypatch):
-    """The processes of the kernels that are started from now on, and all that come from them."""
+    """The processes of the kernels started from now on, with all their descendants."""
     monkeypatch.setenv("TANK_TEST_MARK", mark := f"kernel-{os.getpid()}-{domain}")
     return partial(marked, mark)
 
 
 @pytest.mark.process
-def test_a_kernel_is_interrupted_and_goes_on_closes_everything_and_is_shut_down(family):
+def test_an_interrupted_kernel_goes_on_and_shuts_down_cleanly(family):
     with kernel() as running:
         before = running.run(THREADS)
         running.run("from tutorial.notebook import *\nprogram = open_program('step1')")
@@ -184,7 +184,7 @@ def test_a_kernel_is_interrupted_and_goes_on_closes_everything_and_is_shut_down(
         assert running.run(THREADS) == before
         running.run(LOOPS)
         reply = running.interrupt("await program.run(600)", once=shows_the_bar)
-        assert reply["ename"] == "EndedEarly", "a controller that never returns does not hold the kernel"
+        assert reply["ename"] == "EndedEarly", "a controller that never returns does not block the kernel"
         running.run("program = open_program('step1')\nawait program.run(0.1)")
         running.run(OPEN_EVERYTHING)
         running.client.shutdown()
@@ -192,7 +192,7 @@ def test_a_kernel_is_interrupted_and_goes_on_closes_everything_and_is_shut_down(
 
 
 @pytest.mark.process
-def test_a_killed_kernel_leaves_nothing_behind(family):
+def test_a_killed_kernel_leaves_no_processes(family):
     with kernel() as running:
         assert running.run(OPEN_EVERYTHING) == "['TURRET_Y', 'TURRET_P']\n---\n"
         assert len(family()) > 1

@@ -1,4 +1,4 @@
-"""What the tools for topics wait for before they print."""
+"""What the topic functions wait for before they print."""
 
 import asyncio
 from unittest.mock import Mock
@@ -9,7 +9,7 @@ from tutorial.notebook import close_all, open_node, topic_list
 from tutorial.ros.node_thread import NodeThread
 
 
-async def test_they_wait_for_a_node_of_their_own_kernel_that_is_met_late(domain, monkeypatch, capsys):
+async def test_they_wait_for_late_nodes_of_their_own_kernel(domain, monkeypatch, capsys):
     monkeypatch.setattr(NodeThread, "alive", set())
     late = Mock(full_name="/late", node=open_node("early"))
     NodeThread.alive.add(late)
@@ -17,4 +17,4 @@ async def test_they_wait_for_a_node_of_their_own_kernel_that_is_met_late(domain,
     await topic_list()
     close_all()
     assert "/words\n" in capsys.readouterr().out
-    assert NodeThread.alive == {late}, "what is closed is not waited for"
+    assert NodeThread.alive == {late}, "closed nodes are not waited for"

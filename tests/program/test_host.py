@@ -1,4 +1,4 @@
-"""One running program: its items, its threads, and what happens when they go while messages arrive."""
+"""A running program: its items, its threads, and removing them while messages arrive."""
 
 import asyncio
 import logging
@@ -32,7 +32,7 @@ TOPIC = "/Tank/joint_state"
 
 @asynccontextmanager
 async def publishers(*topics):
-    """Publishers of a node of their own, each as soon as it is heard."""
+    """Yield publishers on one node, once the program has found them."""
     with NodeThread("tester") as tester:
         made = [tester.node.create_publisher(JointState, topic, 1) for topic in topics]
         for publisher in made:
@@ -47,7 +47,7 @@ def message(position, nanoseconds, names=("TURRET_Y",)):
 
 
 def flood(node):
-    """Have joint states come as fast as they can; they are counted in a list."""
+    """Publish joint states as fast as possible, and yield a list that counts them."""
 
     def publish():
         sent.append(len(sent) + 1)
@@ -69,7 +69,7 @@ def step3(domain):
 
 
 def drawn(scene, kind):
-    """What a scene has of a kind, such as the lines below the view."""
+    """Return a scene's commands of a kind, such as the lines below the view."""
     return [payload for each, payload in unpack_records(scene.snapshot()) if each is kind]
 
 
@@ -99,14 +99,14 @@ async def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
 
 @pytest.mark.parametrize(("project", "close_up"), [("step3", True), ("step2", False)])
 @in_a_loop
-async def test_robots_alone_are_looked_at_closely_and_in_a_laboratory_from_where_all_is_seen(domain, project, close_up):
+async def test_the_view_is_close_to_robots_and_far_from_a_laboratory(domain, project, close_up):
     View(usual := Scene())
     async with Host(Project.load(find_project(project)), view=View(scene := Scene())):
         assert (drawn(scene, Record.CAMERA) != drawn(usual, Record.CAMERA)) == close_up
 
 
 @in_a_loop
-async def test_of_two_publishers_one_is_followed_until_it_goes(step3, caplog):
+async def test_it_follows_one_of_two_publishers_until_it_leaves(step3, caplog):
     async with Host(step3) as host:
         subscription = host.controllers["JointStateSubscriber"].subscription
 
@@ -130,7 +130,7 @@ async def test_of_two_publishers_one_is_followed_until_it_goes(step3, caplog):
 
 
 @in_a_loop
-async def test_while_nobody_watches_no_frame_is_drawn(step3, monkeypatch):
+async def test_without_a_viewer_no_frame_is_drawn(step3, monkeypatch):
     view, frames = View(scene := Scene()), []
     async with Host(step3, view=view) as host:
         monkeypatch.setattr(view, "flush", lambda: frames.append("drawn"))
@@ -143,14 +143,14 @@ async def test_while_nobody_watches_no_frame_is_drawn(step3, monkeypatch):
 
 
 @in_a_loop
-async def test_what_is_measured_stands_below_the_view(domain):
+async def test_the_line_below_the_view_shows_the_sensors(domain):
     async with Host(Project.load(find_project("step5")), view=View(scene := Scene())) as host:
         host.bodies["Tank"].sensor("ACCEL_SENSOR").value = -3.0, 0.0, 9.8
         assert "Tank\tacceleration\t-3.00\t0.00\t9.80\tm/s²\t" in drawn(scene, Record.LINE)[-1].decode()
 
 
 @in_a_loop
-async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
+async def test_a_body_can_be_removed_and_added_while_messages_arrive(step3, caplog):
     view = watched_view()
     async with Host(step3, view=view) as host:
         run = asyncio.ensure_future(host.run())
@@ -172,7 +172,7 @@ async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog)
             body = await remove()
             pose, count = body.qpos.copy(), len(sent)
             await until(lambda: len(sent) > count + 200)
-            assert (body.qpos == pose).all(), "what was posted for it does not run any more"
+            assert (body.qpos == pose).all(), "its posted calls no longer run"
             await until(lambda: not host.node.count_subscribers(TOPIC))
         assert not run.done()
         run.cancel()
@@ -186,7 +186,7 @@ class Unfit(SimpleController):
 
 
 @in_a_loop
-async def test_a_body_is_added_only_where_it_can_be(step2, step3):
+async def test_a_body_that_cannot_join_changes_nothing(step2, step3):
     [item] = step3.bodies
     unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
     async with Host(step3, view=watched_view()) as host:
@@ -227,12 +227,12 @@ async def test_each_body_of_a_fleet_follows_its_own_messages(domain):
             line = rf"2 of 4 bodies follow their messages \| Tank_3: 0 joints shown; unknown 'TRACK'.* \| {fourth}"
             await until(lambda: re.fullmatch(line, said()))
         assert [body.joint("TURRET_Y").position for body in host.bodies.values()] == [0.1, 0.3, 0.0, 0.0]
-        assert host.record()["report"]["late"] == 0, "nobody's stamp makes another's message late"
+        assert host.record()["report"]["late"] == 0, "a stamp on one topic makes no message on another late"
 
 
 @pytest.fixture
 def hanging(step2, monkeypatch):
-    """A project whose tank has a controller that does not return, and the event that says that it is there."""
+    """A project whose tank has a hanging controller, and the event that it sets."""
     monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
     there, let = threading.Event(), threading.Event()
 
@@ -251,25 +251,25 @@ def hanging(step2, monkeypatch):
 
 
 @in_a_loop
-async def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(hanging):
+async def test_a_hanging_controller_does_not_block_remove_or_close(hanging):
     project, there = hanging
     async with Host(project, view=watched_view()) as host:
         run = asyncio.ensure_future(host.run())
         await until(there.is_set)
         with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
             host.remove("Tank")
-        assert list(host.bodies) == ["Labo"], "the displayed body is gone nevertheless"
+        assert list(host.bodies) == ["Labo"], "the displayed body is removed anyway"
         with pytest.raises(ControllerError, match="Fix it, then open its program again: this simulation cannot"):
             await run
         host.remove("Labo")
         assert host.bodies == {}
         with pytest.raises(ControllerError, match="Hangs does not return"):
             await host.run()
-        assert "Hangs does not return" in str(host.error), "a start that is refused forgets nothing"
+        assert "Hangs does not return" in str(host.error), "a refused start keeps the error"
 
 
 @in_a_loop
-async def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(hanging, monkeypatch):
+async def test_a_run_with_a_duration_ends_despite_a_hanging_controller(hanging, monkeypatch):
     project, there = hanging
 
     def look(_):
@@ -282,7 +282,7 @@ async def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(han
 
 
 @in_a_loop
-async def test_a_program_may_be_closed_while_it_runs_and_twice(step3):
+async def test_a_program_can_be_closed_while_it_runs_and_twice(step3):
     host = Host(step3, view=watched_view())
     await asyncio.wait_for(host.run(progress=lambda _: host.close()), PATIENCE)
     host.close()
@@ -303,7 +303,7 @@ async def test_a_simulating_program_shows_its_copy(step2):
 
 
 class Poser(SimpleController):
-    """Publishes a message that has a position, and is no joint state; wants to end the program when it leaves."""
+    """Publishes a message with a position that is not a joint state, and wants to end the program when it leaves."""
 
     def configure(self, config):
         config.node.create_publisher(Pose, "pose", 1).publish(Pose())
@@ -313,7 +313,7 @@ class Poser(SimpleController):
 
 
 @in_a_loop
-async def test_a_message_without_a_header_is_recorded_and_a_controller_that_cannot_leave_is_an_error(step3, caplog):
+async def test_a_message_without_a_header_is_recorded_and_a_failed_leave_is_an_error(step3, caplog):
     host = Host(step3.with_controllers("Tank", Poser))
     record = host.record()
     with pytest.raises(TutorialError, match=r"a controller failed in unconfigure\(\). The log shows where"):
@@ -326,7 +326,7 @@ async def test_a_message_without_a_header_is_recorded_and_a_controller_that_cann
 
 
 class Clumsy(SimpleController):
-    """Fails once, as a posted call and as a callback."""
+    """Fails once in a posted call and once in a callback."""
 
     def configure(self, config):
         config.call_later(lambda: 1 / 0)
@@ -334,7 +334,7 @@ class Clumsy(SimpleController):
 
 
 @in_a_loop
-async def test_a_new_run_forgets_what_failed_before(step3):
+async def test_a_new_run_forgets_the_last_error(step3):
     async with Host(step3.with_controllers("Tank", Clumsy), view=watched_view()) as host:
         async with publishers(TOPIC) as [publisher]:
             await until(lambda: isinstance(host.error, ZeroDivisionError))
@@ -348,12 +348,12 @@ NUMBERS = count()
 
 
 class Unruly(SimpleController):
-    """Misbehaves in one of all the ways that the host has to live with.
+    """Misbehaves in a random way that the host has to survive.
 
     Attributes:
-        rng: decides in which method, and how.
+        rng: chooses the method and the misbehaviour.
         let: ends its hanging.
-        made: all that were made.
+        made: all instances.
     """
 
     def __init__(self):
@@ -362,9 +362,9 @@ class Unruly(SimpleController):
         self.act = self.rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
         on_main = self.method in ("configure", "posted", "unconfigure")
         if on_main and self.act in ("hang", KeyboardInterrupt):
-            self.act = SystemExit  # what hangs on the main thread is the reader's to interrupt
+            self.act = SystemExit  # the reader has to interrupt what hangs on the main thread
         self.wait = self.rng.randrange(20)
-        self.hangs, self.raised = False, []  # whether it does, or did; and the texts of what it has raised
+        self.hangs, self.raised = False, []  # whether it hangs or hung; the texts of its exceptions
         self.made.append(self)
 
     def configure(self, config):
@@ -424,7 +424,7 @@ async def act(host, rng):
 
 
 async def live_through(seed, model):
-    """Let a host live with unruly controllers; return what was raised and the main thread was not told."""
+    """Let a host run unruly controllers; return the failures that the main thread was not told about."""
     rng, let, made, told = random.Random(seed), threading.Event(), [], []
     own = {"rng": rng, "let": let, "made": made}
     one, other, third = (type("Unruly", (Unruly,), own) for _ in range(3))
@@ -438,24 +438,25 @@ async def live_through(seed, model):
             except TutorialError as error:
                 told.append(str(error))
             await asyncio.sleep(0)
-    except TutorialError as error:  # one could not join its body
+    except TutorialError as error:  # a controller could not join its body
         told.append(str(error))
     finally:
         if host is not None:
             host.close()
-            hanging = [each for each in made if each.hangs and each.method != "called_back"]  # that is the executor's
+            # A controller that hangs in called_back blocks only the executor.
+            hanging = [each for each in made if each.hangs and each.method != "called_back"]
             assert host.simulation.state is State.ABANDONED or not hanging
             assert host.controllers == {}
-        assert time.monotonic() - began < 50, "what hangs, for 60 s, is not waited for"
+        assert time.monotonic() - began < 50, "close must not wait for a controller that hangs for 60 s"
         let.set()
     return [text for each in made for text in each.raised if text not in "".join(told)]
 
 
 @pytest.mark.parametrize("tens", range(20))
-def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
+def test_a_host_shuts_down_and_reports_every_failure(tens, domain, tmp_path, monkeypatch, caplog):
     for name in ("simulation.STUCK", "program.run.HUNG", "ros.node_thread.SpinThread.patience"):
         monkeypatch.setattr(f"tutorial.{name}", 0.05)
-    model = tmp_path / "box.xml"  # the smallest one that something can be done with: it is quickly loaded
+    model = tmp_path / "box.xml"  # the smallest usable model, which loads quickly
     model.write_text("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody></mujoco>")
     before = threads()
     for seed in range(10 * tens, 10 * tens + 10):

@@ -1,4 +1,4 @@
-"""A body with its controllers: what is known of the messages that have moved it."""
+"""A body with its controllers: the reports of the messages that have moved it."""
 
 import math
 from pathlib import Path
@@ -19,7 +19,7 @@ RANGES = {"TURRET_Y": (-6.3, 6.3), "TURRET_P": (-0.2, 0.8)}  # [rad]
 
 @pytest.fixture
 def nodes():
-    """Who publishes on whatever topic."""
+    """The publishers on every topic."""
     return []
 
 
@@ -39,7 +39,7 @@ def show(joints, matcher, name, position, nanoseconds):
     joints.take(matcher.match(message)[1])
 
 
-def test_the_reports_of_its_messages_are_summed_up_and_nothing_of_a_stranger_is_kept(joints, clock):
+def test_reports_are_counted_without_keeping_strange_names(joints, clock):
     matcher = JointMatcher(RANGES)
     show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 50)
     show(joints, matcher, ["TURRET_Y", "X"], [math.nan, 0.2], 60)
@@ -53,15 +53,15 @@ def test_the_reports_of_its_messages_are_summed_up_and_nothing_of_a_stranger_is_
     assert set(joints.stale()) == set(RANGES)
 
 
-def test_a_change_without_a_report_is_drawn_and_not_counted(item):
+def test_a_change_without_a_report_is_drawn_but_not_counted(item):
     assert (item.take_dirty(), item.take_dirty()) == (True, False)
     item.body.notify_change()
     assert item.take_dirty()
     assert (item.joints.applied, item.joints.line()) == (0, "")
 
 
-def test_before_anything_is_shown_it_is_said_whether_anything_has_come(joints):
-    assert joints.line() == "", "nobody listens"
+def test_before_the_first_message_the_line_says_so(joints):
+    assert joints.line() == "", "without a subscription"
     joints.meters = [TopicMeter(JointState, "/Tank/joint_state", "received")]
     assert joints.line() == "Tank: nothing has come on /Tank/joint_state yet"
     joints.meters[0].count = 1
@@ -70,15 +70,15 @@ def test_before_anything_is_shown_it_is_said_whether_anything_has_come(joints):
 
 @pytest.fixture
 def clock(monkeypatch):
-    """Stands in for the module `time`."""
+    """A fake of the module `time`."""
     clock = SimpleNamespace(now=100.0, monotonic=lambda: clock.now)
     monkeypatch.setattr(item_module, "time", clock)
     return clock
 
 
-def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(joints, clock):
+def test_a_joint_is_stale_from_a_seconds_silence_to_its_next_message(joints, clock):
     matcher = JointMatcher(RANGES)
-    assert joints.stale() == {}, "nothing has ever come"
+    assert joints.stale() == {}, "before any message"
     show(joints, matcher, ["TURRET_Y"], [0.1], 10)
     assert joints.stale() == {}
     clock.now = 103.4
@@ -93,12 +93,12 @@ def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(jo
     assert joints.line() == f"Tank: {said} (1.6 s ago)"
 
 
-def test_what_is_wrong_with_messages_is_one_throttled_line(joints, clock, caplog):
+def test_problems_are_one_throttled_line(joints, clock, caplog):
     matcher = JointMatcher(RANGES)
     for i in range(14):
         clock.now = 100.0 + 0.5 * i
         show(joints, matcher, ["TURET_Y", "TURRET_P"], [0.1, 0.2], i)
-        assert joints.tally["matched"] == i + 1, "a report is counted each time, the same one too"
+        assert joints.tally["matched"] == i + 1, "even the same report is counted each time"
     said = "Tank: 1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? Known are 'TURRET_P', 'TURRET_Y'."
     assert caplog.messages == [said, said]
 
@@ -116,7 +116,7 @@ def test_one_shared_joint(joints, nodes, clock, caplog):
     assert caplog.messages == [f"Tank: {named}", f"Tank: {said}"]
 
 
-def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(joints, nodes, clock, caplog):
+def test_a_second_publisher_is_reported_by_name(joints, nodes, clock, caplog):
     matcher = JointMatcher(RANGES, lambda: 2)
     named = (("", "simulation"), ("lab", "\x1b[2Jforged"))
     nodes += [SimpleNamespace(node_namespace=f"/{space}", node_name=name) for space, name in named]

@@ -1,4 +1,4 @@
-"""Project files: what they say, what is said when they are wrong, and a user's own controllers in their place."""
+"""Project files, the errors in them, and a user's own controllers."""
 
 import re
 from pathlib import Path
@@ -32,30 +32,30 @@ def write(tmp_path):
 
 
 def body(*items):
-    """A project of bodies, each in a line: a tank, unless it says something else."""
+    """Return a project of bodies, one per line: a tank, unless the line says otherwise."""
     usual = ("name: Tank", "model: models/tank.xml")
     given = (", ".join([*(u for u in usual if u.split()[0] not in item), item]) for item in items or [""])
     return "bodies:" + "".join(f"\n  - {{{each}}}" for each in given)
 
 
 def simulator(what):
-    """A project with such a simulator."""
+    """Return a project with this simulator."""
     return f"simulator: {{{what}}}\nbodies: [{{}}]"
 
 
-def test_the_item_tree_is_drawn_as_in_the_original():
+def test_the_item_tree_looks_like_the_originals():
     assert Project.load(find_project("step3")).tree() == "+ Tank\n  - JointStateSubscriber"
     tank = "  + Tank\n    - TankController\n    - JointStatePublisher"
     assert Project.load(find_project("step2")).tree() == f"+ World\n  + Labo\n{tank}\n  + Simulator (1 ms)"
 
 
-def test_a_simulation_publishes_its_time_where_its_project_says_so(write):
+def test_a_simulation_publishes_its_time_if_the_project_says_so(write):
     project = Project.load(write(body() + "\nsimulator: {clock: true}"))
     assert (project.clock, project.tree()) == (True, "+ World\n  + Tank\n  + Simulator (1 ms, /clock)")
     assert not Project.load(write(body() + "\nsimulator: {clock: false}")).clock
 
 
-def test_a_fleet_stands_in_a_square_around_its_position(write):
+def test_a_fleet_is_a_square_around_its_position(write):
     fleet = "count: 5, spacing: 2, position: [10, 20, 0.1], controllers: [JointStateSubscriber]"
     project = Project.load(write(body(fleet, "name: Labo")))
     assert project.tree() == "+ Tank_1 to Tank_5\n  - JointStateSubscriber\n+ Labo"
@@ -67,7 +67,7 @@ def test_a_fleet_stands_in_a_square_around_its_position(write):
     assert project.with_controllers("Tank_3").tree().splitlines() == without
 
 
-def test_every_controller_file_holds_the_controller_that_it_is_called_after():
+def test_every_controller_file_has_the_controller_of_its_name():
     names = controller_names()
     assert {"TankController", "JointStatePublisher", "JointStateSubscriber"} <= set(names)
     for name in names:
@@ -81,14 +81,14 @@ def test_every_controller_file_holds_the_controller_that_it_is_called_after():
         ("MyBroken", "1 / 0\n", "my_broken.py, line 1: ZeroDivisionError"),
     ],
 )
-def test_a_broken_controllers_file_is_named_with_its_line(tmp_path, monkeypatch, name, text, said):
+def test_a_broken_controllers_file_is_reported_with_its_line(tmp_path, monkeypatch, name, text, said):
     (tmp_path / f"my_{name[2:].lower()}.py").write_text(text)
     monkeypatch.setattr(controllers, "__path__", [str(tmp_path)])
     with pytest.raises(TutorialError, match=re.escape(said)):
         find_controller(name)
 
 
-def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
+def test_another_robot_replaces_the_controlled_one(tmp_path):
     project = Project.load(find_project("step3"))
     swapped = project.with_robot(HOME / "project" / "models" / "crane.xml")
     assert swapped.tree() == "+ Crane\n  - JointStateSubscriber"
@@ -128,7 +128,7 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
         (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'."),
     ],
 )
-def test_what_is_wrong_is_named_with_its_line_and_the_mend(write, text, said):
+def test_an_error_is_reported_with_its_line_and_the_fix(write, text, said):
     path = write(text)
     with pytest.raises(TutorialError, match=f"^{re.escape(f'{path}, {said}')}"):
         Project.load(path)
@@ -146,13 +146,13 @@ def test_what_is_wrong_is_named_with_its_line_and_the_mend(write, text, said):
         ),
     ],
 )
-def test_a_missing_file_is_named_with_the_nearest_whatever_its_name(tmp_path, find, said):
+def test_a_missing_file_gets_the_nearest_name_as_a_suggestion(tmp_path, find, said):
     (tmp_path / "step3.yaml").write_text("")
     with pytest.raises(TutorialError, match=f"^there is no {said}"):
         find(tmp_path)
 
 
-def test_a_file_that_is_no_text_is_named_with_its_line(tmp_path):
+def test_a_file_that_is_not_text_is_reported_with_its_line(tmp_path):
     path = tmp_path / "project.yaml"
     path.write_bytes(b"\n\xff\xfe\x00")
     with pytest.raises(TutorialError, match=r"project\.yaml, line 2: this is not a text file in UTF-8"):
@@ -167,14 +167,14 @@ def test_a_file_that_is_no_text_is_named_with_its_line(tmp_path):
     ],
     ids=["wrong", "Latin-1"],
 )
-def test_a_model_that_cannot_be_simulated_is_named_with_the_line(write, tmp_path, model, said):
+def test_a_model_that_cannot_be_simulated_is_reported_with_its_line(write, tmp_path, model, said):
     path = write(body())
     (tmp_path / "models" / "tank.xml").write_text(model, encoding="latin-1")
     with pytest.raises(TutorialError, match=rf"^{re.escape(str(path))}, line 2: the .*{said}"):
         Project.load(path)
 
 
-def test_a_model_for_which_there_is_no_memory_is_named(monkeypatch):
+def test_a_model_that_does_not_fit_into_memory_is_reported(monkeypatch):
     no_memory = Mock(side_effect=RuntimeError("Could not allocate memory"))
     monkeypatch.setattr("mujoco.MjSpec.from_file", no_memory)
     with pytest.raises(TutorialError, match=r"the model 'a\.xml' does not load\. MuJoCo says: Could not allocate"):
@@ -197,7 +197,7 @@ class TankController(SimpleController):
 
 
 class Mine(SimpleController):
-    """A controller of the tests' own."""
+    """A controller of this test."""
 
 
 @pytest.fixture
@@ -214,9 +214,9 @@ def step2():
     return Project.load(find_project("step2"))
 
 
-def test_an_own_controller_takes_the_place_of_the_librarys(own, step2):
+def test_an_own_controller_replaces_the_librarys(own, step2):
     classes = load_controllers(own(OWN))
-    assert list(classes) == ["TankController"], "only what the file itself defines"
+    assert list(classes) == ["TankController"], "only classes that the file itself defines"
     assert step2.with_own(classes).bodies[1].controllers == (classes["TankController"], JointStatePublisher)
     assert step2.with_own(classes).tree() == step2.tree().replace("TankController", "TankController (mine.py)")
     helped = own(OWN.replace("TankController", "Helper") + "class TankController(Helper):\n    pass\n")
@@ -232,7 +232,7 @@ def test_an_own_controller_takes_the_place_of_the_librarys(own, step2):
         ("def f():\n    return 1 / 0\nf()\n", "mine.py, line 2, in f: ZeroDivisionError"),
     ],
 )
-def test_a_file_that_is_wrong_is_named_with_its_line_whichever_way_the_path_is_given(own, monkeypatch, text, said):
+def test_an_error_in_an_own_file_is_reported_with_its_line(own, monkeypatch, text, said):
     path = own(text)
     monkeypatch.chdir(path.parent)
     for given in (path, Path("mine.py")):
@@ -240,7 +240,7 @@ def test_a_file_that_is_wrong_is_named_with_its_line_whichever_way_the_path_is_g
             load_controllers(given)
 
 
-def test_one_of_a_files_controllers_is_asked_for(own):
+def test_one_of_a_files_controllers_is_chosen(own):
     two = own(OWN + "class Other(TankController):\n    pass\n")
     assert list(load_controllers(two)) == ["TankController", "Other"]
     assert list(load_controllers(two, "Other")) == ["Other"]
@@ -257,7 +257,7 @@ def test_one_of_a_files_controllers_is_asked_for(own):
     ("given", "file", "controller"),
     [("a.py", "a.py", None), ("a.py:B", "a.py", "B"), ("a:b/c.py", "a:b/c.py", None), (":B", ":B", None)],
 )
-def test_file_and_controller_are_parted_at_the_last_colon(given, file, controller):
+def test_file_and_controller_are_split_at_the_last_colon(given, file, controller):
     assert part_class(given) == (Path(file), controller)
 
 
@@ -278,6 +278,6 @@ def test_a_body_is_given_controllers(step2):
         ),
     ],
 )
-def test_what_the_project_does_not_have_and_what_is_no_controller(step2, change, said):
+def test_an_unused_name_or_a_non_controller_is_refused(step2, change, said):
     with pytest.raises(TutorialError, match=said):
         change(step2)

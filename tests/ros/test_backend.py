@@ -1,4 +1,4 @@
-"""Which ROS 2 a process uses, and the error if it cannot use the one that was asked for."""
+"""Which ROS 2 a process uses, and the error if it cannot use the requested one."""
 
 import os
 import subprocess
@@ -21,7 +21,7 @@ made = Path({made!r})
 ros_backend.cache_clear()
 folder.prefix = lambda: made
 """
-"""The first lines of a program that uses a folder of its own for the real ROS 2."""
+"""The first lines of a program that uses a separate folder for the real ROS 2."""
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_rclpy_for_this_python(rclpy):
 
 
 def run(code, **variables):
-    """Run a program in a process of its own, and return the last line of its output or error."""
+    """Run a program in a new process, and return the last line of its output or error."""
     environment = {name: value for name, value in os.environ.items() if name != "TUTORIAL_ROS"} | variables
     ended = subprocess.run([sys.executable, "-c", code], env=environment, check=False, capture_output=True, text=True)
     return (ended.stdout + ended.stderr).splitlines()[-1]
@@ -66,7 +66,7 @@ def run(code, **variables):
         "from tutorial.__main__ import main; main(['joy', '--duration', '1'])",
     ],
 )
-def test_every_entry_point_says_so(rclpy, code):
+def test_every_entry_point_reports_it(rclpy, code):
     said = run(code, PYTHONPATH=str(rclpy.parent))
     assert "is for another Python" in said
     assert "step2.yaml" not in said

@@ -1,7 +1,7 @@
-"""The pocket ROS 2 and a real one in one domain: the programs on one side, the commands on the other.
+"""The pocket ROS 2 and a real one in one domain: programs of one, and commands of the other.
 
-They run where the variable TANK_REAL_ROS2 names a command that runs another one with a real ROS 2, such as a script
-that sources ``/opt/ros/jazzy/setup.bash`` and ends with ``exec "$@"``.
+They run if TANK_REAL_ROS2 is set to a command that runs another command with a real ROS 2, such as a script that
+sources ``/opt/ros/jazzy/setup.bash`` and ends with ``exec "$@"``.
 """
 
 import os
@@ -33,17 +33,17 @@ JOINT_STATE, STICK_TO_THE_RIGHT = "sensor_msgs/msg/JointState", "{axes: [0, 0, 0
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
-    pytest.skip("TANK_REAL_ROS2 is not set: it names a command that runs another with ROS 2", allow_module_level=True)
+    pytest.skip("TANK_REAL_ROS2 is not set: it is a command that runs another one with ROS 2", allow_module_level=True)
 
 
 @dataclass
 class Beside:
-    """A simulation with the one ROS 2, and the commands of the other.
+    """A simulation on one ROS 2, and the commands of the other ROS 2.
 
     Attributes:
-        simulation: it runs; None where there is none.
-        ros2: what starts ``ros2`` with the other.
-        environment: of both.
+        simulation: the running simulation, or None.
+        ros2: the words that start ``ros2`` on the other ROS 2.
+        environment: the environment of both.
     """
 
     simulation: subprocess.Popen | None
@@ -51,7 +51,7 @@ class Beside:
     environment: dict[str, str]
 
     def run(self, *command: str) -> subprocess.CompletedProcess:
-        """Run a command that comes to its end by itself."""
+        """Run a command that ends by itself."""
         alone = self.ros2[-1] == "ros2" and command[0] != "bag" and command[1] in ("list", "info")
         arguments = [*self.ros2, *command, *["--no-daemon"] * alone]
         return subprocess.run(
@@ -59,18 +59,18 @@ class Beside:
         )
 
     def say(self, *command: str) -> str:
-        """Return what a command prints."""
+        """Return a command's output."""
         return self.run(*command).stdout
 
     def says(self, text: str, *command: str) -> str:
-        """Ask again until a text is among what is printed: finding each other takes a moment."""
+        """Repeat a command until its output contains a text: discovery takes a moment."""
         said = []
         until(lambda: said.append(self.say(*command)) or text in said[-1], f"{text!r} from {command}")
         return said[-1]
 
     @contextmanager
     def going_on(self, *command: str) -> Iterator[subprocess.Popen]:
-        """A command that goes on, until Ctrl-C ends it and what it is run by."""
+        """Run a command in the background, and end it and its parent with Ctrl-C."""
         arguments, pipe = [*self.ros2, *command], subprocess.PIPE
         process = subprocess.Popen(arguments, env=self.environment, stdout=pipe, text=True, start_new_session=True)
         try:
@@ -81,14 +81,14 @@ class Beside:
             process.communicate(timeout=PATIENCE)
 
     def joints(self) -> dict[str, float]:
-        """Where the simulated joints are now [rad]."""
+        """Return the current positions of the simulated joints [rad]."""
         real = ["--no-lost-messages", JOINTS, JOINT_STATE] if self.ros2[-1] == "ros2" else [JOINTS]
         said = self.say("topic", "echo", "--once", *real)
         message = yaml.safe_load(said.partition("---")[0])
         return dict(zip(message["name"], message["position"], strict=True))
 
     def clear(self) -> None:
-        """End what still runs, and what ``ros2`` has left running."""
+        """End everything that still runs, including the daemon of ``ros2``."""
         if self.simulation.poll() is None:
             os.killpg(self.simulation.pid, signal.SIGTERM)
         self.simulation.communicate(timeout=PATIENCE)
@@ -103,7 +103,7 @@ def rmw(request):
 
 @contextmanager
 def running(rmw: str, simulation: list[str], ros2: list[str], stdout: int = subprocess.DEVNULL, **variables: str):
-    """A simulation in a domain of its own, of which nothing is left in the end."""
+    """Run a simulation in a separate domain, and end all of it."""
     with reserved_domain() as domain:
         environment = {**os.environ, **variables, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
         process = subprocess.Popen(simulation, env=environment, stdout=stdout, text=True, start_new_session=True)
@@ -116,7 +116,7 @@ def running(rmw: str, simulation: list[str], ros2: list[str], stdout: int = subp
 
 @pytest.fixture(scope="module", params=["the real one's commands", "the pocket one's commands"])
 def beside(request, rmw):
-    """The simulation of step 2 runs, and the other side has seen it."""
+    """Step 2's running simulation, which the other side has discovered."""
     theirs = request.param.startswith("the real")
     tank, ros2 = ([TANK], [*REAL, "ros2"]) if theirs else ([*REAL, TANK], [TANK])
     with running(rmw, [*tank, "run", "step2", "--headless"], ros2) as beside:
@@ -124,11 +124,11 @@ def beside(request, rmw):
         yield beside
 
 
-def test_nobody_has_anything_to_complain_of(beside):
+def test_neither_side_complains(beside):
     assert beside.run("topic", "list").stderr == ""
 
 
-def test_a_topic_says_who_publishes_it_and_how(beside):
+def test_topic_info_shows_the_publisher_and_its_qos(beside):
     said = beside.says("Node name: tank", "topic", "info", "-v", JOINTS)
     hashed = "Topic type hash: RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
     wanted = {f"Type: {JOINT_STATE}", "Publisher count: 1", hashed, "Reliability: RELIABLE", "Durability: VOLATILE"}
@@ -148,7 +148,7 @@ def test_a_killed_node_leaves_the_graph(beside):
     until(lambda: JOINTS not in beside.say("topic", "list"), "its topic is gone")
 
 
-def test_a_whole_picture_arrives_in_a_real_topic_echo(rmw):
+def test_a_real_topic_echo_receives_a_whole_image(rmw):
     need_pictures()
     with running(rmw, [TANK, "run", "step6", "--headless"], [*REAL, "ros2"]) as beside:
         beside.says(CAMERA, "topic", "list")
@@ -157,7 +157,7 @@ def test_a_whole_picture_arrives_in_a_real_topic_echo(rmw):
         assert {"encoding: rgb8", "step: 960", "  frame_id: Tank/CAMERA_optical"} <= set(said.splitlines())
 
 
-def test_packages_are_run_and_launched_there(rmw, tmp_path):
+def test_packages_run_and_launch_on_a_real_ros_2(rmw, tmp_path):
     need_setuptools()
     (tmp_path / "mine.py").write_text(CONTROLLERS, encoding="utf-8")
     own = ("--controller", tmp_path / "mine.py:JointStatePublisher")
@@ -190,7 +190,7 @@ FIRST = serialize_message(JointState(name=["TURRET_Y"], position=[-1.0]))
 
 @pytest.fixture
 def ros2(rmw, domain):
-    """The commands of the real one."""
+    """The commands of the real ROS 2."""
     return Beside(None, [*REAL, "ros2"], {**os.environ, "RMW_IMPLEMENTATION": rmw})
 
 
@@ -201,7 +201,7 @@ def node(domain):
 
 
 def hear(node) -> list[bytes]:
-    """The payloads that arrive from now on."""
+    """Return a list of the payloads that arrive from now on."""
     payloads: list[bytes] = []
     node.create_subscription(JointState, JOINTS, payloads.append, KEEP_ALL, raw=True)
     return payloads
@@ -213,22 +213,22 @@ def publisher(node):
 
 
 def words(info):
-    """The lines of an info in any order: real ones have the topics in that of a hash table."""
+    """Return the lines of a bag's info, sorted: a real ros2 prints topics in the order of a hash table."""
     return sorted(line.removeprefix("Topic information:").strip() for line in info.splitlines())
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
-def test_what_a_real_one_has_recorded_is_read_and_played(ros2, node, publisher, tmp_path, storage):
+def test_a_real_recording_is_read_and_played(ros2, node, publisher, tmp_path, storage):
     path, everything = tmp_path / "bag", tmp_path / "qos.yaml"
     everything.write_text(f"{JOINTS}: {{history: keep_all, reliability: reliable, durability: volatile}}")
     how = ("-s", storage, "-o", str(path), "--qos-profile-overrides-path", str(everything))
     with ros2.going_on("bag", "record", *how, "--topics", JOINTS):
         until(lambda: publisher.get_subscription_count() == 1, "the recorder")
-        publisher.publish(FIRST)  # the recorder may know of the publisher a little later: only then it acknowledges
+        publisher.publish(FIRST)  # the recorder acknowledges it only once it knows the publisher, which may be later
         until(publisher.wait_for_all_acked, "the recorder knows of the publisher")
         for payload in PAYLOADS:
             publisher.publish(payload)
-            threading.Event().wait(0.01)  # so it is played
+            threading.Event().wait(0.01)  # in real time, because it is played back later
         until(publisher.wait_for_all_acked, "what was published has arrived")
     bag = Bag(path)
     recorded = [data for _, _, data in bag.raw_messages([JOINTS])]
@@ -243,17 +243,17 @@ def test_what_a_real_one_has_recorded_is_read_and_played(ros2, node, publisher, 
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
-def test_a_real_one_reads_and_plays_what_is_recorded_here(ros2, node, publisher, tmp_path, storage):
+def test_a_real_ros_2_reads_and_plays_our_recording(ros2, node, publisher, tmp_path, storage):
     path, heard = tmp_path / "bag", hear(node)
     with NodeThread("recorder") as thread, Recorder(thread.node, path, [JOINTS], storage, 10.0) as recorder:
         until(lambda: publisher.get_subscription_count() == 2 and recorder.hears(JOINTS), "the match")
         for payload in PAYLOADS:
             publisher.publish(payload)
-            threading.Event().wait(0.005)  # so it is played, from a history of ten
+            threading.Event().wait(0.005)  # in real time, because it is played from a history of ten
     node.destroy_publisher(publisher)
     assert words(ros2.say("bag", "info", str(path))) == words(bag_info(Bag(path)))
     until(lambda: len(heard) == COUNT, "what was published")
     heard.clear()
-    with ros2.going_on("bag", "play", str(path), "--delay", "3", "--loop") as playing:  # once more, until it is met
+    with ros2.going_on("bag", "play", str(path), "--delay", "3", "--loop") as playing:  # it may miss the first round
         until(lambda: heard[-COUNT:] == PAYLOADS or playing.poll() is not None, "what was played, from its beginning")
         assert heard[-COUNT:] == PAYLOADS

@@ -1,4 +1,4 @@
-"""A simulation's time on /clock, as nodes of other programs go by it."""
+"""A simulation's time on /clock, and nodes in other programs that follow it."""
 
 import asyncio
 from dataclasses import replace
@@ -24,7 +24,7 @@ def project(domain):
 
 
 @pytest.mark.parametrize(("time_step", "every"), [(0.0001, 100), (0.001, 10), (0.0015, 6), (0.006, 1), (0.01, 1)])
-def test_the_clock_is_told_a_hundred_times_a_second_or_more(domain, time_step, every):
+def test_the_time_is_published_at_least_a_hundred_times_a_second(domain, time_step, every):
     with NodeThread("simulation") as source:
         tank = Placement("Tank", find_project("step2").parent / "models/tank.xml")
         simulation = Simulation([tank], [("", ClockPublisher(source.node))], time_step)
@@ -33,7 +33,7 @@ def test_the_clock_is_told_a_hundred_times_a_second_or_more(domain, time_step, e
         assert (meter.count, meter.last.clock.nanosec) == (3, round(2 * every * time_step * 1e9))
 
 
-def test_a_program_publishes_its_time_whichever_bodies_go(project):
+def test_a_program_publishes_its_time_even_without_bodies(project):
     async def scenario():
         viewing = Project.load(find_project("step3"))
         async with Host(project) as simulating, Host(viewing, (*SIM_TIME, "-r", "__node:=viewer")) as viewer:
@@ -46,12 +46,12 @@ def test_a_program_publishes_its_time_whichever_bodies_go(project):
             now = (simulating.simulation.step - 1) // 10 * 10 * STEP
             until(lambda: clock.now().nanoseconds == now, "the newest time")
             assert simulating.record()["topics"]["/clock"]["published"] == simulating.simulation.step // 10
-            assert "/clock" not in viewer.record()["topics"], "nothing that its controllers receive"
+            assert "/clock" not in viewer.record()["topics"], "the record lists only the controllers' topics"
 
     asyncio.run(scenario())
 
 
-def test_two_programs_that_publish_their_time_are_said_once(project, caplog):
+def test_two_clock_publishers_are_reported_once(project, caplog):
     async def scenario():
         async with Host(project) as one, Host(replace(project, clock=False), ("--ros-args", "-r", "__node:=b")) as two:
             two.refresh()

@@ -1,4 +1,4 @@
-"""A ROS domain that nobody else holds."""
+"""Reserving a free ROS domain."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from tutorial.ros import domains
 from tutorial.ros.domains import reserved_domain
 
 
-def test_nobody_else_has_it_until_it_is_given_back(monkeypatch):
+def test_a_domain_is_exclusive_until_it_is_released(monkeypatch):
     with reserved_domain() as mine:
         monkeypatch.setattr(domains, "DOMAINS", [mine])
         with pytest.raises(TutorialError, match="all 1 ROS domains of this machine are taken: shut down kernels"):

@@ -1,4 +1,4 @@
-"""A node that counts, on a thread of its own: in everything that its program sees it is rclpy's."""
+"""A node that counts messages and spins on its own thread. To its program it looks like rclpy's."""
 
 import sys
 import threading
@@ -27,13 +27,13 @@ def node(thread):
 
 
 def send(publisher, count, *texts):
-    """Publish once so many subscriptions have been found."""
+    """Publish once `count` subscriptions have been found."""
     until(lambda: publisher.get_subscription_count() == count, "the match")
     for text in texts:
         publisher.publish(String(data=text))
 
 
-def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(node):
+def test_a_callback_may_take_the_message_alone(node):
     got = []
     callbacks = [
         lambda message: got.append(("one", message.data)),
@@ -51,14 +51,14 @@ def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(node):
 
 
 @pytest.mark.parametrize("callback", [lambda: 0, lambda message, *, info: 0, partial(lambda message: 0, "")])
-def test_a_callback_that_takes_something_else_is_refused_and_leaves_nothing(node, callback):
+def test_a_callback_with_wrong_parameters_is_refused_and_leaves_nothing(node, callback):
     before = list(node.subscriptions)
     with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):
         node.create_subscription(String, "words", callback, 1)
     assert (list(node.subscriptions), node.meters) == (before, [])
 
 
-def test_a_coroutine_function_is_left_to_rclpy(node, backend):
+def test_coroutine_functions_are_passed_to_rclpy(node, backend):
     got = []
 
     async def on_words(message):
@@ -70,7 +70,7 @@ def test_a_coroutine_function_is_left_to_rclpy(node, backend):
         until(lambda: got == ["a"], "the callback")
 
 
-def test_what_is_created_is_rclpys(node):
+def test_its_entities_are_rclpys(node):
     publisher = node.create_publisher(msg_type=String, topic="words", qos_profile=1)
     subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
     assert publisher in node.publishers
@@ -81,7 +81,7 @@ def test_what_is_created_is_rclpys(node):
 
 
 @pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])
-def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on(thread, caplog, failure):
+def test_a_callbacks_exception_is_reported_and_the_node_goes_on(thread, caplog, failure):
     heard = Mock(side_effect=[failure, None])
     thread.node.create_subscription(String, "words", lambda message: heard(message.data), 10)
     send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
@@ -90,7 +90,7 @@ def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on(thread, caplog,
     assert "a callback of the node 'tank' failed; the others go on" in caplog.text
 
 
-def test_a_node_that_its_program_has_destroyed_can_be_closed(thread):
+def test_a_destroyed_node_can_be_closed(thread):
     thread.node.create_subscription(String, "words", print, 1)
     thread.node.destroy_node()
     thread.close()
@@ -102,11 +102,11 @@ def meter():
     return TopicMeter(Joy, "/joy", "received")
 
 
-def test_a_meter_counts_and_keeps_the_newest(meter):
+def test_a_meter_counts_and_keeps_the_newest_message(meter):
     assert (meter.count, meter.rate, meter.last) == (0, 0.0, None)
     assert meter.type_name == "sensor_msgs/msg/Joy"
     meter.add(1_000_000, 1_000_000)
-    assert meter.latency_ms() == {"median": None, "p99": None}  # until there are two
+    assert meter.latency_ms() == {"median": None, "p99": None}  # it needs two
     meter.add(3_000_000, 3_000_000)
     assert (meter.count, meter.last) == (2, 3_000_000)
     assert meter.rate > 0
@@ -115,21 +115,21 @@ def test_a_meter_counts_and_keeps_the_newest(meter):
 
 @pytest.fixture
 def many_switches():
-    """Threads give way to one another all the time."""
+    """Make threads switch all the time."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
     yield
     sys.setswitchinterval(interval)
 
 
-def test_without_an_answer_a_node_counts_itself(thread, monkeypatch):
-    """A real ROS 2 names no node while another's name is empty."""
+def test_if_the_graph_fails_a_node_counts_itself(thread, monkeypatch):
+    """A real ROS 2 lists no nodes while any node's name is empty."""
     monkeypatch.setattr(thread.node, "get_node_names_and_namespaces", Mock(side_effect=RuntimeError))
     assert thread.namesakes() == 1
 
 
 @pytest.mark.usefixtures("many_switches")
-def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
+def test_latencies_can_be_read_while_messages_arrive(meter, monkeypatch):
     monkeypatch.setattr(meter, "_latencies_ns", type(meter._latencies_ns)(maxlen=100))
     stop = threading.Event()
 
@@ -147,7 +147,7 @@ def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
         thread.join()
 
 
-def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, monkeypatch, caplog):
+def test_a_hanging_callback_does_not_block_close(domain, monkeypatch, caplog):
     monkeypatch.setattr(NodeThread, "patience", 0.1)
     entered, release = threading.Event(), threading.Event()
 
@@ -167,7 +167,7 @@ def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, mo
         until(lambda: "stuck" not in other.node.get_node_names(), "its leaving after all")
 
 
-def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(node):
+def test_a_topic_that_is_published_and_received_is_counted_twice(node):
     publisher = node.create_publisher(String, "words", 10)
     node.create_subscription(String, "words", lambda message: None, 10)
     send(publisher, 1, "a", "b", "c")
@@ -177,13 +177,13 @@ def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(node):
     assert counts["latency_ms"]["median"] is not None
 
 
-def test_joint_states_that_are_only_kept_are_not_waited_for_by_a_view(node):
+def test_a_view_does_not_wait_for_recorded_joint_states(node):
     for raw in (False, True):
         node.create_subscription(JointState, "/Tank/joint_state", print, 1, raw=raw)
     assert [(meter.raw, meter.brings_joint_states) for meter in node.meters] == [(False, True), (True, False)]
 
 
-def test_closing_goes_on_where_it_was_interrupted(thread, monkeypatch):
+def test_an_interrupted_close_can_be_continued(thread, monkeypatch):
     def interrupted(_timeout):
         monkeypatch.undo()
         raise KeyboardInterrupt
@@ -196,7 +196,7 @@ def test_closing_goes_on_where_it_was_interrupted(thread, monkeypatch):
     assert not thread._context.ok()
 
 
-def test_what_fails_again_and_again_in_the_same_words_is_said_now_and_then(node, caplog, monkeypatch):
+def test_a_repeated_error_is_logged_now_and_then(node, caplog, monkeypatch):
     monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", PATIENCE)
     fail = Mock(side_effect=ValueError)
     node.create_timer(0.001, fail)
@@ -205,16 +205,16 @@ def test_what_fails_again_and_again_in_the_same_words_is_said_now_and_then(node,
 
 
 @pytest.mark.usefixtures("many_switches")
-def test_what_is_destroyed_while_the_executor_looks_around_is_no_failure(thread, caplog):
+def test_destroying_an_entity_during_a_spin_is_no_error(thread, caplog):
     for _ in range(500):
         thread.node.destroy_publisher(thread.node.create_publisher(String, "words", 1))
         thread.node.destroy_subscription(thread.node.create_subscription(String, "words", print, 1))
     assert thread.error is None, caplog.text
 
 
-def test_what_was_destroyed_behind_the_nodes_back_is_told(thread, backend):
+def test_destroying_an_entity_without_its_node_is_reported(thread, backend):
     if backend == "pocket":
-        pytest.skip("the pocket executor goes on without it; what it says of it is another test's")
+        pytest.skip("the pocket executor continues without it; see tests/ros/pocket/test_topics.py")
     thread.node.create_subscription(String, "words", print, 1).destroy()
-    until(lambda: thread.error, "the executor's complaint")
+    until(lambda: thread.error, "the executor's error")
     assert str(thread.error) == "cannot use Destroyable because destruction was requested"

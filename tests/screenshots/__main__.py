@@ -16,10 +16,10 @@ from tutorial.ros.domains import reserved_domain
 from tutorial.system.paths import HOME
 
 PATH = HOME / "book/images/drive.webp"
-FRAME = 0.1  # [s] from one picture to the next
+FRAME = 0.1  # [s] between two pictures
 WIDTH = 800  # [pixels]
-QUALITY = 60  # of 100: what WebP may leave out
-SOON = 0.38  # by how much a hand moves a stick from one picture to the next
+QUALITY = 60  # out of 100, for WebP
+SOON = 0.38  # largest movement of a stick between two pictures
 
 CELL = """
 from tutorial.notebook import joystick, open_program, side_by_side
@@ -97,7 +97,7 @@ async def drive(folder: Path) -> list[Image.Image]:
         takes, pictures, stick = [], [], 0.0
 
         async def take(towards: float) -> None:
-            """Move the stick towards a position, take a picture, and note the tank's state in it."""
+            """Move the stick towards a position, take a picture, and save the tank's state with it."""
             nonlocal stick
             stick += float(np.clip(towards - stick, -SOON, SOON))
             y = pad["y"] + (0.5 - 0.28 * stick) * pad["height"]
@@ -116,7 +116,7 @@ async def drive(folder: Path) -> list[Image.Image]:
         while takes[-1]["driven"] > 0.08:
             await take(-min(1.0, 0.15 + takes[-1]["driven"]))
         for _ in range(3):
-            await take(0)  # the picture is a loop, so it ends where it begins
+            await take(0)  # the picture is a loop, so it ends where it starts
         await page.mouse.up()
         assert max(take["barrel"] for take in takes) > takes[0]["barrel"] + 0.05, "the rail has not lifted the barrel"
         assert witness.complaints == []

@@ -1,10 +1,10 @@
-"""A thousand messages a second for a while, between two processes: what is lost, how late it is, and whether memory
-stays flat; then the same into the viewer of step 3, whose queue must not grow; then into a bag.
+"""Send a thousand messages a second between two processes: check losses, latencies, and that memory stays
+flat; then the same into step 3's viewer, whose queue must not grow; then into a bag.
 
-``make soak`` runs it, and prints what both ends have counted: the rate [1/s], how late messages were, from publication
-to callback, median and worst hundredth [ms], and how much memory has grown after a warm-up [MB]. Best effort may lose
-messages, and so may the viewer: its subscription keeps the newest. The exit status is 1 if something does not hold; in
-the end it says what.
+``make soak`` runs it, and prints the measurements of both ends: the rate [1/s], the latency from publication to
+callback, as median and worst hundredth [ms], and the growth of memory after a warm-up [MB]. Best effort may lose
+messages, and so may the viewer: its subscription keeps only the newest. If a requirement is not met, the program
+prints it at the end, and the exit status is 1.
 """
 
 import json
@@ -21,15 +21,15 @@ from traffic import PATIENCE, RATE
 
 TRAFFIC = Path(__file__).with_name("traffic.py")
 OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
-"""Each kind of traffic, and what receives it: a role of traffic.py."""
-BACKLOG = 100  # calls that may wait for the viewer's main thread, in the median of a third: a tenth of a second's
+"""The kinds of traffic, and the role of traffic.py that receives each."""
+BACKLOG = 100  # waiting calls for the viewer's main thread, in the median of a third: a tenth of a second's
 RATE_BOUND = 0.99 * RATE
 
 Result = dict[str, float]
 
 
 def run(kind: str, seconds: float) -> tuple[Result, Result]:
-    """Run a publisher and another end for a while; print and return what both have said.
+    """Run a publisher and a receiver for a while; print and return the results of both.
 
     Raises:
         SystemExit: one of them has failed, or does not end.
@@ -50,7 +50,7 @@ def run(kind: str, seconds: float) -> tuple[Result, Result]:
 
 
 def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
-    """What does not hold of what should."""
+    """Yield the requirements that the results do not meet."""
     if sent["rate"] < RATE_BOUND:
         yield f"{sent['rate']:.0f} messages a second were sent, at least {RATE_BOUND:.0f} are asked for"
     if kind in ("reliable", "bag") and sent["sent"] > got["received"]:
@@ -66,7 +66,7 @@ def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
 
 
 def messages_and_memory(duration: int) -> list[str]:
-    """Run each kind of traffic in turn; return what does not hold."""
+    """Run each kind of traffic in turn; return the requirements that are not met."""
     return [f"{kind}: {complaint}" for kind in OTHER_ENDS for complaint in complaints(kind, *run(kind, duration))]
 
 

@@ -1,7 +1,7 @@
-"""One who does harm, in a process of its own: ``python attack.py KIND SECONDS``.
+"""Attack a program from a separate process: ``python attack.py KIND SECONDS``.
 
-What it sends reaches whoever shows the tank's joint states in this ROS domain.
-It uses the pocket ROS 2, whichever its victim uses, because a real one does not let a program send such things.
+It attacks every program that shows the tank's joint states in this ROS domain.
+It uses the pocket ROS 2, even if its victim does not, because a real one does not let a program send such things.
 """
 
 import math
@@ -29,7 +29,7 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from sensor_msgs.msg import JointState
 
 RELIABLE = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepLast(1))
-PROCESSES = 8  # whose ports are tried
+PROCESSES = 8  # whose ports it tries
 
 TOPICS = ("rt/1abc", "rt/a/", "rt//x", "rt/", "rt/<b>x</b>", "rt/" + "x" * 200)
 NODES = ("\x1b[2Jgone", "line\nforged", "<img src=x onerror=alert(1)>", "\u202egpj", "", "x" * 250)
@@ -43,16 +43,16 @@ HOSTILE = (
 )
 
 Step = Callable[[], object]
-"""Sends one of what is sent again and again."""
+"""Sends once; it is called again and again."""
 
 
 def writer(topic: str, type_name: str, qos: Qos) -> DataWriter:
-    """Return a writer of bytes, which may be any."""
+    """Return a writer of arbitrary bytes."""
     return DataWriter(participant, Topic(participant, topic, payload_type(type_name)), qos)
 
 
 def names() -> Step:
-    """Let nodes and topics come and go that nobody should be called like."""
+    """Create and remove nodes and topics with names that are not allowed."""
     announcing = writer("ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo", _WRITER_QOS)
     gid = Gid(data=list(participant.guid.bytes))
     numbers, there = count(), list[DataWriter]()
@@ -71,16 +71,16 @@ def names() -> Step:
 
 
 def messages() -> Step:
-    """Publish joint states that are none."""
+    """Publish invalid joint states."""
     publisher = writer("rt/Tank/joint_state", "sensor_msgs/msg/JointState", RELIABLE)
     hostile = cycle([publisher.topic.data_type(encode(message)) for message in HOSTILE])
     return lambda: publisher.write(next(hostile))
 
 
 def encapsulations() -> Step:
-    """Send joint states that say of themselves that they are encoded in a way that there is not.
+    """Send joint states with an encapsulation that does not exist.
 
-    Cyclone DDS sends nothing such. So the packets are made here, in the name of a writer that it has made known.
+    Cyclone DDS cannot send these, so this makes the packets itself, in the name of a writer that Cyclone DDS announced.
     """
     publisher = writer("rt/Tank/joint_state", "sensor_msgs/msg/JointState", RELIABLE)
     while not publisher.get_publication_matched_status().current_count:
@@ -101,7 +101,7 @@ RATES = {names: 20, messages: 5000, encapsulations: 450}  # [Hz]
 
 
 def main(kind: Callable[[], Step], seconds: float) -> int:
-    """Send again and again, for so long, or until Ctrl-C; what is late is not made up for. Return how often."""
+    """Send at a rate for some seconds, or until Ctrl-C, without catching up; return the number of sends."""
     step, sent = kind(), 0
     print("on", flush=True)
     began = due = time.monotonic()

@@ -1,8 +1,8 @@
-"""What a viewer bears: somebody means harm, and sends names, messages or packets without end to the viewer of step 3.
-Its main loop is not to be held, its memory is not to grow, the terminal is not to be filled, and when it is told to
-end, it ends.
+"""Flood step 3's viewer with names, messages or packets, as an attacker would. Its main loop must not
+hang, its memory must not grow, it must not fill the terminal, and when it is told to
+end, it has to end.
 
-``make soak`` runs it, too. Its exit status is 1 if something does not hold; in the end it says what.
+``make soak`` runs it, too. If a requirement is not met, the program prints it at the end, and the exit status is 1.
 """
 
 import signal
@@ -21,7 +21,7 @@ from tutorial.system.parent_watch import signal_group
 
 HERE = Path(__file__).parent
 KINDS = ("names", "messages", "encapsulations")
-SETTLED = 20  # tenths of a second that the viewer runs before it is attacked
+SETTLED = 20  # tenths of a second that the viewer runs before the attack
 PATIENCE = 60.0  # [s]
 BOUNDS = {
     "the main loop was held for {:.0f} ms, at most {:g} are allowed": 100.0,
@@ -35,7 +35,7 @@ def flood(kind: str, seconds: float) -> list[float]:
     """Attack a viewer for a while, then tell it to end while the attack goes on.
 
     Returns:
-        The values that `BOUNDS` is for.
+        The values that `BOUNDS` limits.
     """
     console.print(f"{kind}, {seconds} s:")
     lines: list[str] = []
@@ -44,7 +44,7 @@ def flood(kind: str, seconds: float) -> list[float]:
         written.touch()
 
         def holds() -> list[float]:
-            """The longest of each tenth of a second [s]."""
+            """Return the longest hold of the main loop in each tenth of a second [s]."""
             return [float(hold) for hold in written.read_text().split("\n")[:-1]]
 
         with python(HERE / "victim.py", "run", "step3", HOLDS=str(written)) as victim:
@@ -78,7 +78,7 @@ def flood(kind: str, seconds: float) -> list[float]:
 
 
 def floods(duration: int) -> list[str]:
-    """Run each kind of flood in turn, and print the values with their bounds; return what does not hold."""
+    """Run each kind of flood in turn, print the values with their bounds, and return the unmet requirements."""
     complaints = []
     for kind in KINDS:
         limits = tuple(zip(flood(kind, duration), BOUNDS.values(), BOUNDS))

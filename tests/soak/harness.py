@@ -1,4 +1,4 @@
-"""What the soaks share: their command line and verdict, the processes that they start, and whether memory is flat."""
+"""Shared parts of the soaks: command line, verdict, processes, and whether memory stays flat."""
 
 import os
 import signal
@@ -16,21 +16,21 @@ from tutorial.ros.domains import reserved_domain
 from tutorial.system import parent_watch
 
 EVERY = 0.1  # [s] between two samples of memory
-WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the caches of an interpreter find their size
+WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the interpreter's caches reach their size
 GROWTH = 4.0
-"""How much memory may grow after the warm-up [MB]. In a run of 60 s, 45,000 messages are sent in that time, so 100
-bytes that stay behind of each are found: a copy of a message of 40 joints is 1,700. What is no leak is below it: the
-backlog of a second in which a busy machine did something else, of which malloc keeps the pages, and an arena that the
+"""The memory that a process may gain after the warm-up [MB]. A run of 60 s sends 45,000 messages in that time, so this
+finds a leak of 100 bytes per message; a copy of a message with 40 joints has 1,700. It allows for growth that is not
+a leak: the pages that malloc keeps after a busy machine has caused a backlog of a second, and an arena that the
 interpreter adds."""
 MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
 
 
 def soak(seconds: int, job: Callable[[int], list[str]]) -> None:
-    """Be the command ``[SECONDS]``: do a job in a ROS domain of its own, say what does not hold, and exit.
+    """Be the command ``[SECONDS]``: do a job in a separate ROS domain, print the unmet requirements, and exit.
 
     Args:
-        seconds: how long each kind takes, unless another time is given [s].
-        job: takes the seconds, and returns what does not hold.
+        seconds: the default duration of each kind [s].
+        job: takes the seconds, and returns the requirements that are not met.
     """
     with reserved_domain() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
@@ -42,13 +42,13 @@ def soak(seconds: int, job: Callable[[int], list[str]]) -> None:
 
 
 def above(*limits: tuple[float, float, str]) -> list[str]:
-    """Say which values are above their bounds: each has a text with a place for the value and one for the bound."""
+    """Return a text for each value above its bound, from a format with places for both."""
     return [text.format(value, bound) for value, bound, text in limits if value > bound]
 
 
 @contextmanager
 def python(*command: object, **variables: str) -> Iterator[subprocess.Popen[str]]:
-    """Run a Python program, in a group of its own, which spares it the terminal's Ctrl-C. In the end it is killed."""
+    """Run a Python program in its own group, which shields it from the terminal's Ctrl-C, and kill it at the end."""
     words = [sys.executable, *map(str, command)]
     with parent_watch.start_watched(words, {**os.environ, **variables}) as process:
         try:
@@ -66,13 +66,13 @@ class Memory:
         self._due = 0.0
 
     def look(self) -> None:
-        """Take a sample, if it is time for one."""
+        """Take a sample if one is due."""
         if time.monotonic() >= self._due:
             self._due = time.monotonic() + EVERY
             self._samples.append(self._process.memory_info().rss / 1e6)
 
     def growth(self) -> float:
-        """Return by how much it has grown after the warm-up, in the median: one sample may catch a moment's peak."""
+        """Return the median growth after the warm-up: a single sample may catch a peak."""
         samples = self._samples[int(WARM_UP * len(self._samples)) :]
         tenth = len(samples) // 10 + 1
         return statistics.median(samples[-tenth:]) - statistics.median(samples[:tenth])

@@ -1,6 +1,6 @@
-"""One end of the traffic, in a process of its own: ``python traffic.py publish|subscribe|show|record KIND SECONDS``.
+"""Be one end of the traffic, in a separate process: ``python traffic.py publish|subscribe|show|record KIND SECONDS``.
 
-Only what rclpy promises is used, so it runs on any. What was measured is printed as one line of JSON.
+It uses only rclpy's public API, so it runs on any ROS 2. It prints its measurements as one line of JSON.
 """
 
 import asyncio
@@ -34,21 +34,21 @@ from tutorial.ros.node_thread import NodeThread
 from tutorial.system.paths import find_project
 
 RATE = 1000  # [Hz]
-QUIET = 1.0  # [s] without a message, after which none is on its way any more
-PATIENCE = 60.0  # [s] that one end waits for the other
+QUIET = 1.0  # [s] of silence after which no more messages are expected
+PATIENCE = 60.0  # [s] for which one end waits for the other
 TOPIC = "/Tank/joint_state"
 QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
-"""Nothing is ever replaced by something newer: what the callback has not had yet waits with the subscription, and a
-publisher with too much that is not acknowledged is made to wait. So nothing is lost however busy the machine is: that
-shows in the rate, the latency and the memory instead. With a depth of N it would be lost once the callback is N
-messages behind: at the usual 10, after 10 ms."""
+"""No message replaces an older one: messages wait with the subscription until the callback is called, and a publisher
+with too many unacknowledged messages has to wait. So even a busy machine loses nothing; the rate, the latency and the
+memory show the delay instead. With a depth of N, messages would be lost once the callback is N messages behind: with
+the usual 10, after 10 ms."""
 
 memory = Memory()
 
 
 def publish(kind: str, seconds: float) -> dict[str, Any]:
-    """Send messages by a schedule: what is due is sent, so that a delay costs no message and no rate."""
+    """Send messages on a schedule, and catch up after a delay, so that it costs no message and no rate."""
     publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, QOS.get(kind, KEEP_ALL))
     joints = ["TURRET_Y", "TURRET_P"] if kind == "hand-off" else [f"JOINT_{i:02}" for i in range(40)]
     zeros = [0.0] * len(joints)
@@ -70,9 +70,9 @@ def publish(kind: str, seconds: float) -> dict[str, Any]:
 
 
 def subscribe(kind: str, seconds: float) -> dict[str, Any]:
-    """Count what arrives until the publisher has come and gone, and all is quiet."""
+    """Count messages until the publisher has come and gone, and the topic is silent."""
     node = rclpy.create_node("subscriber")
-    latencies = array("q", bytes(8 * round(seconds * RATE)))  # [ns], there from the start: it is not to grow
+    latencies = array("q", bytes(8 * round(seconds * RATE)))  # [ns], allocated in advance, so that it does not grow
     seen = disordered = 0
     newest = -1
     heard_at = time.monotonic()
@@ -98,7 +98,7 @@ def subscribe(kind: str, seconds: float) -> dict[str, Any]:
 
 
 async def show(kind: str, seconds: float) -> dict[str, Any]:
-    """Be the viewer of step 3, as ``tank run step3 --headless`` is, and see how many posted calls wait."""
+    """Be step 3's viewer, like ``tank run step3 --headless``, and count the posted calls that wait."""
     waiting = [0]
     async with Host(Project.load(find_project("step3"))) as host:
         meter = next(meter for meter in host.node.meters if meter.topic == TOPIC)
@@ -121,7 +121,7 @@ async def show(kind: str, seconds: float) -> dict[str, Any]:
 
 
 def record(kind: str, seconds: float) -> dict[str, Any]:
-    """Record a bag until the publisher has come and gone, as ``tank bag record`` does, and look at what is in it."""
+    """Record a bag until the publisher has come and gone, like ``tank bag record``, and read it."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bag"
         with NodeThread("recorder") as thread, Recorder(thread.node, path, [TOPIC]) as recorder:
@@ -139,7 +139,7 @@ def record(kind: str, seconds: float) -> dict[str, Any]:
 
 
 def percentiles(latencies: Sequence[int]) -> dict[str, float]:
-    """Say how late messages were, of which there may be none [ns]: the median and the worst hundredth [ms]."""
+    """Return the median and worst hundredth [ms] of latencies [ns], of which there may be none."""
     median, p99 = np.percentile(latencies or [0], (50, 99)) / 1e6
     return {"median": median, "p99": p99}
 

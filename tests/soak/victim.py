@@ -1,6 +1,6 @@
-"""The program that is attacked: the command ``tank`` as it is, which also tells how long its main loop is held.
+"""Run the command ``tank`` unchanged as the victim, and measure how long its main loop is held.
 
-Every tenth of a second it writes the longest hold of the past one [s] to the file that ``HOLDS`` names.
+Every tenth of a second it writes the longest hold since the last one [s] to the file ``HOLDS``.
 """
 
 import asyncio
@@ -12,13 +12,13 @@ from tutorial.__main__ import main
 from tutorial.program.host import Host
 
 EVERY = 0.1  # [s] between two lines
-NAP = 0.005  # [s] after which the main loop should have its turn again
+NAP = 0.005  # [s] after which the main loop should run again
 
 run = Host.run
 
 
 async def measure() -> None:
-    """Write the holds down."""
+    """Write down the holds."""
     with open(os.environ["HOLDS"], "w", buffering=1) as file:  # noqa: PTH123
         while True:
             longest, due = 0.0, time.monotonic() + EVERY
@@ -29,7 +29,7 @@ async def measure() -> None:
 
 
 async def measured_run(self: Host, *args: Any, **options: Any) -> None:
-    """Run as the command does, and measure meanwhile."""
+    """Run like the command, and measure meanwhile."""
     measuring = asyncio.ensure_future(measure())
     try:
         await run(self, *args, **options)

@@ -1,4 +1,4 @@
-"""A browser for the tests that need to see what a learner sees."""
+"""A browser, for tests of what a learner sees."""
 
 import io
 import os
@@ -17,9 +17,9 @@ from red_box import DISTANCE
 NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
 SOFTWARE = ["--enable-unsafe-swiftshader", "--no-sandbox"]
 AS_WITH_A_CARD = ["--use-gl=angle", "--use-angle=swiftshader", "--disable-gpu-rasterization", *SOFTWARE]
-"""WebGL and the page are put together by a graphics card that there is not: 3D is on the page at once."""
+"""An emulated graphics card composites WebGL and the page: 3D appears on the page at once."""
 AS_WITHOUT = ["--disable-gpu", *SOFTWARE]
-"""Only WebGL is: a page with much text takes a third less, one with 3D that moves takes more."""
+"""It draws only WebGL: a page with much text takes a third less time, one with moving 3D takes more."""
 LIKE_A_CARD = """
 for (const {prototype} of [WebGLRenderingContext, WebGL2RenderingContext]) {
     const {getExtension} = prototype;
@@ -27,18 +27,18 @@ for (const {prototype} of [WebGLRenderingContext, WebGL2RenderingContext]) {
         return name === "WEBGL_debug_renderer_info" ? null : getExtension.call(this, name);
     };
 }"""
-"""A script for a page that is to draw as well as with a card: it cannot find out what draws."""
+"""Makes a page draw as if there were a graphics card, by hiding the renderer's name."""
 OF_THE_MACHINE = re.compile(
     r"GPU stall due to ReadPixels"
     r"|^Plugin (@jupyter[\w-]*/|anywidget:)\S+ .*(is taking too long|took [\d.]+ms) to activate"
-    r"|^\[anywidget\] Failed to initialize model\.$"  # within two seconds; what raises says something else
+    r"|^\[anywidget\] Failed to initialize model\.$"  # after two seconds; an exception prints something different
 )
-"""What Chromium says without a card, and JupyterLab on a busy machine: no complaints about what is shown."""
+"""Harmless messages of Chromium without a graphics card, and of JupyterLab on a busy machine."""
 PATIENCE = 60.0
 
 
 def chromium() -> str:
-    """The path of a Chromium. Without one, the test is skipped and says why; in CI (CI=true) it fails."""
+    """Return the path of Chromium. Without one, skip the test with a reason; in CI (CI=true) fail it."""
     path = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
     if path is not None:
         return path
@@ -52,13 +52,13 @@ def chromium() -> str:
 async def open_browser(
     path: str, width: int = 800, height: int = 600, arguments: Sequence[str] = AS_WITH_A_CARD, scale: float = 1
 ) -> AsyncIterator[Page]:
-    """A page in a browser without a window, that draws WebGL in software.
+    """Open a page in a headless browser that draws WebGL in software.
 
     Args:
-        path: where the browser is.
-        width, height: of the page [CSS pixels].
-        arguments: such as `AS_WITHOUT`.
-        scale: how many pixels are drawn for one of CSS. A page that nobody looks at may do with less than one.
+        path: the path of the browser.
+        width, height: the page's size [CSS pixels].
+        arguments: more of the browser's arguments, such as `AS_WITHOUT`.
+        scale: pixels per CSS pixel. A page that nobody looks at needs less than one.
     """
     async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(executable_path=path, args=[*arguments])
@@ -71,7 +71,7 @@ async def open_browser(
 
 
 class Witness:
-    """Takes down what a page says and asks for."""
+    """Records the errors and requests of a page."""
 
     def __init__(self, page: Page) -> None:
         self.complaints: list[str] = []
@@ -91,13 +91,13 @@ class Witness:
 
 
 async def pixels(page: Page, selector: str) -> np.ndarray:
-    """What an element looks like: (height, width, 3), 0 to 255."""
+    """Return an element's pixels: (height, width, 3), 0 to 255."""
     picture = await page.locator(selector).screenshot()
     return np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)
 
 
 def red_spot(picture: np.ndarray) -> tuple[float, float] | None:
-    """The middle of all that is red, (x, y) in pixels from the left top; None if there is next to nothing."""
+    """Return the centre of all red pixels, (x, y) from the top left; None if there are nearly none."""
     red, green, blue = np.moveaxis(picture, -1, 0)
     rows, columns = np.nonzero((red > 90) & (red > 2.5 * green) & (red > 2.5 * blue))
     return None if len(rows) < 20 else (float(columns.mean()), float(rows.mean()))
@@ -107,12 +107,12 @@ HALF_ANGLE = 0.46630765815  # tan(50 degrees / 2)
 
 
 async def red_is_at(page: Page, selector: str, x: float, z: float) -> None:
-    """Wait until a red box is so far right of an element's middle, and above it [m], to 5 % of its height."""
+    """Wait until a red box is x to the right of an element's centre and z above it [m], to 5 % of its height."""
 
     async def is_there() -> bool:
         picture = await pixels(page, selector)
         height, width, _ = picture.shape
-        scale = height / 2 / HALF_ANGLE / DISTANCE  # pixels per metre, at the box's middle
+        scale = height / 2 / HALF_ANGLE / DISTANCE  # pixels per metre, at the box's centre
         spot, expected = red_spot(picture), (width / 2 + scale * x, height / 2 - scale * z)
         return spot is not None and np.abs(np.subtract(spot, expected)).max() < 0.05 * height
 

@@ -1,6 +1,6 @@
-"""A pytest plugin: how tests are shared out when several run side by side.
+"""A pytest plugin that distributes tests to workers.
 
-A plugin, for a conftest.py is not read when only the notebooks are to run, and their cells have to stay together.
+It is a plugin because pytest does not read conftest.py when only notebooks run, whose cells have to stay together.
 """
 
 import os
@@ -10,8 +10,8 @@ import pytest
 from xdist.scheduler import LoadScopeScheduling
 
 SHARED_OUT = {"test_notebooks_in_browser.py": 2, "test_cells_twice.py": 9}
-"""Files whose tests are about one notebook each, and among how many workers they are shared at most. Of those in a
-browser each worker has a JupyterLab and a browser of its own: no more than two cores can bear."""
+"""Files with one test per notebook, and the maximum number of workers that share them. Each worker has its own
+JupyterLab and browser, and two cores cannot handle more."""
 
 LONG = {
     "test_cells_twice.py",
@@ -22,19 +22,19 @@ LONG = {
     "test_behaviour.py",
     "test_tables.py",
 }
-"""Files that keep a worker busy for long. If one of them came last, the other workers would wait for it."""
+"""Files that take long. If one of them came last, the other workers would wait for it."""
 
-MORE_THAN_CORES = 1  # workers, for tests often wait: for a discovery, a duration, or a process to end
+MORE_THAN_CORES = 1  # workers, because tests often wait: for discovery, a duration, or the end of a process
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the notebooks and what is in a browser, then the long files, so that all workers end together."""
+    """Run the notebooks and browser tests first, then the long files, so that all workers finish at the same time."""
     items.sort(key=_turn)
 
 
 def _turn(item: pytest.Item) -> tuple[int, int]:
-    """Return a test's place in the order. Of the notebooks, larger files come first: they take longer."""
+    """Return a test's place in the order. Larger notebooks come first, because they take longer."""
     if item.path.suffix == ".ipynb":
         return 0, -item.path.stat().st_size
     if item.get_closest_marker("browser"):
@@ -44,12 +44,12 @@ def _turn(item: pytest.Item) -> tuple[int, int]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Say how many tests run side by side."""
+    """Return the number of tests that run at the same time."""
     return (os.cpu_count() or 1) + MORE_THAN_CORES
 
 
 class _ByFile(LoadScopeScheduling):
-    """Keeps the tests of a file together, with each RMW its own, and the cells of a notebook, in their order."""
+    """Keeps the tests of a file (and RMW) together, and the cells of a notebook in order."""
 
     def _split_scope(self, nodeid: str) -> str:
         file, *_ = nodeid.split("::")
@@ -62,5 +62,5 @@ class _ByFile(LoadScopeScheduling):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> LoadScopeScheduling:
-    """Share the tests out by files."""
+    """Distribute the tests by file."""
     return _ByFile(config, log)

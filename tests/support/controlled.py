@@ -1,4 +1,4 @@
-"""What the tests of controllers need: a node that keeps what it is told, and a simulation."""
+"""Helpers for the tests of controllers: a node that records its calls, and a simulation."""
 
 from collections.abc import Callable
 from types import SimpleNamespace
@@ -8,14 +8,14 @@ from tutorial.simulation import Simulation
 
 
 class Node:
-    """A node on which nothing arrives.
+    """A node that receives nothing.
 
     Attributes:
-        sent: what was published, by topic.
-        types: of the topics on which something is published.
-        topics: those that are subscribed to.
+        sent: the published messages, by topic.
+        types: the types of the published topics.
+        topics: the subscribed topics.
         said: the lines of its log.
-        publishers: how many each subscription has.
+        publishers: the number of publishers that each subscription reports.
     """
 
     def __init__(self) -> None:
@@ -40,12 +40,12 @@ class Node:
 
 
 def on_course(publisher, placements, name="Tank", time_step=0.001, controllers=()) -> tuple[Node, Simulation]:
-    """A node with a publisher, and a simulated body that is controlled by it, and before it by others."""
+    """Return a node, and the simulation of a body with a publishing controller, after some other controllers."""
     node = Node()
     publisher.configure(SimpleNamespace(node=node, body=SimpleNamespace(name=name)))
     return node, Simulation(placements, [(name, each) for each in (*controllers, publisher)], time_step)
 
 
 def stamps_ms(messages) -> list[float]:
-    """When messages were stamped [ms]."""
+    """Return the stamps of messages [ms]."""
     return [each.header.stamp.sec * 1000 + each.header.stamp.nanosec / 1e6 for each in messages]

@@ -1,4 +1,4 @@
-"""A JupyterLab, and a page that is watched, for all tests of a file."""
+"""A JupyterLab and a watched page, for all tests in a file."""
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterator
@@ -22,8 +22,8 @@ class CourseDesk:
     Attributes:
         lab: the JupyterLab.
         page: the page.
-        witness: what the page has complained of.
-        run: runs a coroutine to its end, on the loop that the page belongs to.
+        witness: the page's errors and requests.
+        run: runs a coroutine to its end, on the page's loop.
     """
 
     lab: Lab
@@ -34,10 +34,10 @@ class CourseDesk:
 
 @contextmanager
 def lab_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[CourseDesk]:
-    """Open a JupyterLab in a ROS domain of its own, and see to it that the page asks nobody but its own server.
+    """Open a JupyterLab in a separate ROS domain, and check that the page contacts only its own server.
 
     Args:
-        folder: an empty folder for all of it.
+        folder: an empty folder for all its files.
         base_url: see `jupyter_lab`.
         browser: see `open_browser`.
     """

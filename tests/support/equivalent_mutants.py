@@ -1,4 +1,4 @@
-"""The mutants that are right answers, too: a check has to take them."""
+"""The mutants that are also right answers: a check must accept them."""
 
 from tutorial.checks.catalogue import exercises
 
@@ -6,12 +6,12 @@ EXERCISES = {each.name: each for those in exercises().values() for each in those
 
 
 def becomes(line: str, *others: str) -> tuple[str, ...]:
-    """The changes of one line."""
+    """Return a line's mutants."""
     return tuple(f"{line} → {other}" for other in others)
 
 
 def swapped(one: str, other: str) -> str:
-    """The change of two statements that follow each other."""
+    """Return the mutant that swaps two consecutive statements."""
     return f"{one}; {other} → {other}; {one}"
 
 
@@ -37,7 +37,7 @@ TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
 
 
 def now_and_then(what: str, rate: int) -> dict[str, tuple[str, ...]]:
-    """Those of an answer that does something at a rate: of its condition, and of the number of steps."""
+    """Return the mutants of an answer that does something at a rate: in its condition, and its number of steps."""
     step, steps = "self.io.step", f"self.steps_per_{what}"
     due = f"{step} % {steps} == 0"
     evens = (due.replace("==", "<="), f"-({step} % {steps}) == 0", f"-{due}", f"{step} % -{steps} == 0")

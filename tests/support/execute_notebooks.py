@@ -1,7 +1,7 @@
 """Run notebooks from the top and save their outputs: ``make notebooks``, after a change to one of them.
 
-Nothing of the run is saved but the outputs, so that what git shows is what has changed. Of a widget only its text is:
-there is no kernel to bring it to life when the notebook is opened the next time. What it showed is kept for the book.
+Only outputs are saved, so that git shows only real changes. A widget is saved as text, because there is no kernel to
+bring it to life when the notebook is opened again. Its picture is saved for the book.
 """
 
 import os
@@ -27,7 +27,7 @@ del sys, Path, FOLDER, keep
 
 
 def execute(path: Path) -> None:
-    """Run one notebook in a ROS domain of its own, and save it."""
+    """Run one notebook in a separate ROS domain, and save it."""
     notebook = nbformat.read(path, as_version=4)
     manager = AsyncKernelManager(kernel_name="python3")
     manager.kernel_spec.argv[0] = sys.executable

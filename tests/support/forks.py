@@ -1,8 +1,8 @@
-"""Answers judged in forks of one process that has imported all it takes, instead of in an interpreter of their own.
+"""Judge answers in forks of one process that has already imported everything, instead of in new interpreters.
 
-For mutants, of which there are hundreds: to be judged takes each of them a fifth of the time, also because no cause is
-looked for. What it is run with is otherwise what a learner's answer is run with; that it begins in a fresh interpreter
-is for other tests.
+This is for mutants, of which there are hundreds: judging one takes a fifth of the time, also because it looks for no
+cause. Otherwise they run like a learner's answer; other tests cover the start in a new
+interpreter.
 """
 
 import asyncio
@@ -27,7 +27,7 @@ _server.set_forkserver_preload([child.__name__, *{each.module for those in exerc
 
 
 class Process:
-    """As much of asyncio's process as `tutorial.checks.engine.contain` asks for, which is given `start` for its own."""
+    """The parts of asyncio's process that `tutorial.checks.engine.contain` uses; `start` replaces its own."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         pipes = [os.pipe() for _ in range(3)]
@@ -43,7 +43,7 @@ class Process:
 
     @property
     def returncode(self) -> int | None:
-        """The status of its end."""
+        """The exit status."""
         return self._process.exitcode
 
     async def wait(self) -> None:
@@ -53,7 +53,7 @@ class Process:
 
 
 async def start(environment: Mapping[str, str]) -> Process:
-    """Start a process that judges."""
+    """Fork a process that judges."""
     process = Process(environment)
     process.stdout, process.stderr = [await _reader(end) for end in process.ends]
     return process
@@ -66,8 +66,8 @@ async def _reader(pipe: Any) -> asyncio.StreamReader:
 
 
 def _judge(environment: Mapping[str, str], *given: Connection) -> None:
-    """Be what a process is in the beginning that was started for it, and run the program, which ends it."""
-    os.setsid()  # it is the whole session that will be killed
+    """Set up the child like a newly started process, and run the program, which ends it."""
+    os.setsid()  # because the parent kills the whole session
     for at, each in enumerate(given):
         os.dup2(each.fileno(), at)
         each.close()
@@ -75,7 +75,7 @@ def _judge(environment: Mapping[str, str], *given: Connection) -> None:
     os.environ.clear()
     os.environ.update(environment)
     random.seed()
-    exercise.diagnose = _without_a_cause  # whether it is wrong is the question, not why
+    exercise.diagnose = _without_a_cause  # only the verdict matters, not the cause
     child.main()
 
 

@@ -1,4 +1,4 @@
-"""A real JupyterHub for the tests, the one that ``make hub`` starts, and students who log in and run a notebook."""
+"""The JupyterHub of ``make hub``, for the tests, and students who log in and run a notebook."""
 
 import json
 import os
@@ -28,11 +28,11 @@ CONFIG = CHECKOUT / "tests/hub/jupyterhub_config.py"
 PROXY = CHECKOUT / ".venv/node_modules/.bin/configurable-http-proxy"
 NOTEBOOK = "notebooks/1_tank_controller.ipynb"
 START = "program.start()"
-LONG = 300.0  # [s] for a server or a cell: all students start at the same moment
+LONG = 300.0  # [s] for a server or a cell: all students start at the same time
 
 
 def cells() -> tuple[list[str], list[str]]:
-    """The code cells of notebook 1: those up to its running tank, and those after it."""
+    """Return the code cells of notebook 1: those up to its running tank, and those after it."""
     notebook = nbformat.read(CHECKOUT / NOTEBOOK, as_version=4)
     sources = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
     return sources[: (i := sources.index(START) + 1)], sources[i:]
@@ -44,8 +44,8 @@ class Hub:
 
     Attributes:
         root: its address.
-        mark: what all its processes are marked with.
-        password: of all students.
+        mark: the mark of all its processes.
+        password: all students' password.
         sockets: the connections to its kernels.
     """
 
@@ -55,13 +55,13 @@ class Hub:
     sockets: list[WebSocket] = field(default_factory=list)
 
     def processes(self) -> list[psutil.Process]:
-        """All that comes from it and runs: hub, proxy, servers and kernels."""
+        """Return all its running processes: hub, proxy, servers and kernels."""
         return marked(self.mark)
 
 
 @contextmanager
 def hub(folder: Path) -> Iterator[Hub]:
-    """Run a JupyterHub in a folder, and end it as Ctrl-C does, with all that it has started."""
+    """Run a JupyterHub in a folder, and end it and everything that it has started with Ctrl-C."""
     public, api, proxy = (f"http://127.0.0.1:{port}" for port in _free_ports(3))
     ports = (
         f"--JupyterHub.bind_url={public}",
@@ -93,11 +93,11 @@ def hub(folder: Path) -> Iterator[Hub]:
 
 
 class Student:
-    """Somebody who logs in to a hub, and runs cells in a notebook's kernel, as JupyterLab does.
+    """A student who logs in to a hub, and runs cells in a notebook's kernel, like JupyterLab.
 
     Args:
         at: the hub.
-        name: any.
+        name: any name.
     """
 
     def __init__(self, at: Hub, name: str) -> None:
@@ -111,14 +111,14 @@ class Student:
         self._connect(f"{at.root.replace('http', 'ws')}/user/{name}/api/kernels/{kernel}/channels")
 
     def run(self, source: str) -> str:
-        """Run a cell, wait until it is done, and return what it printed; fail if it raised."""
+        """Run a cell, wait until it is done, and return its output; fail if it raised."""
         asked = self._send("execute_request", code=source, silent=False, store_history=True, allow_stdin=False)
         text, ended = "", set()
         while ended != {"execute_reply", "idle"}:
             said = self._socket.recv()
             if not said:
                 raise WebSocketConnectionClosedException(f"{self._name}: the server has closed the connection")
-            if isinstance(said, bytes):  # a message of a widget with binary parts
+            if isinstance(said, bytes):  # a widget's message with binary parts
                 continue
             message = json.loads(said)
             if message["parent_header"].get("msg_id") != asked:
@@ -131,15 +131,15 @@ class Student:
         return text
 
     def look(self, comm: str, word: str) -> None:
-        """Say what the page of a widget says, for instance ``hello`` or ``bye``."""
+        """Send a message as a widget's page, for instance ``hello`` or ``bye``."""
         self._send("comm_msg", comm_id=comm, data={"method": "custom", "content": {"type": word, "view": "page"}})
 
     def processes(self) -> list[psutil.Process]:
-        """The student's server, kernels and what these have started."""
+        """Return the student's server and kernels, with their descendants."""
         return [each for each in self._hub.processes() if each.environ().get("JUPYTERHUB_USER") == self._name]
 
     def _log_in(self) -> str:
-        """Log in with the form, which starts the server, and return a token for all that follows."""
+        """Log in with the form, which starts the server, and return a token for the later requests."""
         jar = CookieJar()
         opener = build_opener(HTTPCookieProcessor(jar))
         form = f"{self._hub.root}/hub/login?next="
@@ -156,13 +156,13 @@ class Student:
             return str(json.load(reply)["token"])
 
     def _wait_for_server(self) -> None:
-        """Follow what the hub says of the server's start, until it is ready."""
+        """Follow the hub's reports of the server's start until it is ready."""
         with self._ask(f"/hub/api/users/{self._name}/server/progress") as events:
             said = [json.loads(line.removeprefix(b"data:")) for line in events if line.startswith(b"data:")]
         assert said[-1].get("ready"), f"{self._name}: {said[-1]}"
 
     def _connect(self, address: str) -> None:
-        """Connect to the kernel, again if it starts anew: another process may have taken a port of its own."""
+        """Connect to the kernel, again if it restarts: a different process may have taken one of its ports."""
         while True:
             self._socket = create_connection(address, PATIENCE, header={"Authorization": f"token {self._token}"})
             self._hub.sockets.append(self._socket)
@@ -191,7 +191,7 @@ class Student:
 
 
 def _free_ports(count: int) -> list[int]:
-    """Ports that nobody listens on, below those that the system gives to connections meanwhile."""
+    """Return ports that nobody listens on, below those that the system gives to connections."""
     ports: list[int] = []
     for port in random.sample(range(20_000, 32_000), 1000):
         with suppress(OSError), socket.create_server(("127.0.0.1", port)):

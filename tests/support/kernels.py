@@ -1,4 +1,4 @@
-"""A real kernel, without a page."""
+"""A real kernel without a page."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from programs import PATIENCE
 
 
 class Kernel:
-    """Runs cells in a process of its own."""
+    """Runs cells in a separate process."""
 
     def __init__(self, manager: KernelManager) -> None:
         self.manager = manager
@@ -24,15 +24,15 @@ class Kernel:
         return psutil.Process(self.manager.provisioner.process.pid)
 
     def run(self, code: str) -> str:
-        """Run a cell, and return what it printed; one that fails is an error."""
+        """Run a cell, and return its output; fail if the cell fails."""
         said = []
         reply = self.client.execute_interactive(code, timeout=PATIENCE, output_hook=said.append)["content"]
         assert reply["status"] == "ok", "\n".join(reply.get("traceback", ["interrupted"]))
         return "".join(message["content"]["text"] for message in said if message["msg_type"] == "stream")
 
     def interrupt(self, code: str, once: Callable[[dict], object]) -> dict:
-        """Run a cell, and interrupt it once a message of a certain kind has come; return the reply."""
-        message_id = self.client.execute(code, stop_on_error=False)  # else the next cell, if it is quick, is not run
+        """Run a cell, interrupt it after a certain message, and return the reply."""
+        message_id = self.client.execute(code, stop_on_error=False)  # otherwise a quick next cell would not run
         while not once(self.client.get_iopub_msg(timeout=PATIENCE)):
             pass
         self.manager.interrupt_kernel()
@@ -43,7 +43,7 @@ class Kernel:
 
 @contextmanager
 def kernel() -> Iterator[Kernel]:
-    """A kernel of this environment; what is left of it in the end is killed."""
+    """Start a kernel of this environment, and kill the rest of it at the end."""
     with TemporaryDirectory(prefix="kernel-") as folder, ExitStack() as stack:
         manager = KernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/socket")
         manager.kernel_spec.argv[0] = sys.executable

@@ -1,4 +1,4 @@
-"""A real JupyterLab for the tests, and a notebook in it as a learner has it: in a browser, with a kernel of its own."""
+"""A real JupyterLab for the tests, with a notebook in a browser and its kernel."""
 
 import asyncio
 import json
@@ -34,7 +34,7 @@ class Lab:
     """A running JupyterLab.
 
     Attributes:
-        root: the address of its server, with the base_url and a slash at the end.
+        root: its server's address, with the base_url and a slash at the end.
         notebooks: the folder that it shows.
     """
 
@@ -42,13 +42,13 @@ class Lab:
     notebooks: Path
 
     def write(self, name: str, cells: Iterable[str]) -> str:
-        """Put a notebook of code cells into the folder, and return its name."""
+        """Write a notebook of code cells into the folder, and return its name."""
         notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in cells])
         nbformat.write(notebook, self.notebooks / name)
         return name
 
     async def open(self, page: Page, name: str) -> "Notebook":
-        """Open a notebook in a browser's page, which may show the lab already, and wait for its kernel."""
+        """Open a notebook in a page, which may already show the lab, and wait for its kernel."""
         if page.url.startswith(self.root):
             await _execute(page, "docmanager:open", path=name)
         else:
@@ -60,7 +60,7 @@ class Lab:
 
 @dataclass
 class Notebook:
-    """The notebook that is open in a page. Its cells are numbered from 0.
+    """The open notebook in a page. Its cells are numbered from 0.
 
     Attributes:
         page: the browser's page.
@@ -69,7 +69,7 @@ class Notebook:
     page: Page
 
     async def is_ready(self) -> None:
-        """Wait until the notebook and its kernel are there, and put away what asks for attention."""
+        """Wait until the notebook and its kernel are ready, and close dialogs and notifications."""
         ready = "window.jupyterapp?.shell.currentWidget?.context?.isReady && "
         ready += "window.jupyterapp.shell.currentWidget.sessionContext.session?.kernel?.status === 'idle'"
 
@@ -84,7 +84,7 @@ class Notebook:
         await self._do("sessionContext.ready")
 
         async def answers() -> bool:
-            """Whether its kernel runs this Python; the server drops what it says while it makes the connection."""
+            """Return whether its kernel runs this Python; the server drops replies until the connection exists."""
             return await self.run_new("import sys; print(sys.executable)") == f"{sys.executable}\n"
 
         await until(answers, "the notebook's kernel answers")
@@ -95,18 +95,18 @@ class Notebook:
         await self.is_done()
 
     async def start(self, cell: int) -> None:
-        """Start one cell; don't wait."""
+        """Start one cell without waiting."""
         await self._choose(cell)
         await _execute(self.page, "notebook:run-cell")
 
     async def run(self, cell: int) -> str:
-        """Run one cell, wait until it is done, and return the text that it printed."""
+        """Run one cell, wait until it is done, and return its printed text."""
         await self._choose(cell)
         await self._command("notebook:run-cell")
         return await self.text(cell)
 
     async def run_new(self, source: str) -> str:
-        """Run code in the kernel that no cell shows, and return what it printed; fail if it raised."""
+        """Run code in the kernel without a cell, and return its printed text; fail if it raised."""
         said = await self.page.evaluate(
             """(code) => {
                 const {kernel} = window.jupyterapp.shell.currentWidget.sessionContext.session;
@@ -121,7 +121,7 @@ class Notebook:
         return str(said[1])
 
     async def is_busy(self) -> bool:
-        """Whether a cell runs or waits to run."""
+        """Return whether a cell runs or waits to run."""
         return bool(await self._do(BUSY))
 
     async def is_done(self) -> None:
@@ -129,27 +129,27 @@ class Notebook:
         await self.page.wait_for_function(f"!{NOTEBOOK}.{BUSY}")
 
     async def interrupt(self) -> None:
-        """Interrupt what the kernel does."""
+        """Interrupt the kernel."""
         await self._do("sessionContext.session.kernel.interrupt()")
 
     async def count(self) -> int:
-        """How many cells there are."""
+        """Return the number of cells."""
         return int(await self._do("content.widgets.length"))
 
     async def text(self, cell: int) -> str:
-        """What a cell printed."""
+        """Return a cell's printed text."""
         outputs = await self._do(f"content.widgets[{cell}].model.outputs?.toJSON() ?? []")
         return "".join("".join(output["text"]) for output in outputs if output["output_type"] == "stream")
 
     async def errors(self) -> list[str]:
-        """What the cells raised, as one line each, with the cell's number."""
+        """Return the cells' exceptions, one line each, with the cell's number."""
         errors = """content.widgets.flatMap((cell, number) => (cell.model.outputs?.toJSON() ?? [])
             .filter((output) => output.output_type === "error")
             .map((output) => `cell ${number}: ${output.ename}: ${output.evalue}`))"""
         return list(await self._do(errors))
 
     async def clear(self, cell: int) -> None:
-        """Take a cell's outputs away."""
+        """Clear a cell's outputs."""
         await self._do(f"content.widgets[{cell}].model.clearExecution()")
 
     async def save(self) -> None:
@@ -157,16 +157,16 @@ class Notebook:
         await self._do("context.save()")
 
     async def reload(self) -> None:
-        """Save, load the page anew, and wait until the notebook is there again with the kernel that it has."""
+        """Save, reload the page, and wait until the notebook is back with the same kernel."""
         await self.save()
         await self.page.reload()
         await self.is_ready()
 
     async def reconnect(self) -> None:
-        """Have the page drop its connection to the kernel and make a new one; wait until that carries messages.
+        """Make the page drop its connection to the kernel and open a new one; wait until that carries messages.
 
-        The server drops what the kernel says while it tries a new connection. So ask until an answer is there; the
-        control channel answers beside a busy cell.
+        The server drops the kernel's messages while it opens a new connection, so ask until an answer arrives.
+        The control channel answers even beside a busy cell.
         """
         await self._do("sessionContext.session.kernel.reconnect()")
         ask = """({kernel}) => Promise.race([
@@ -188,7 +188,7 @@ class Notebook:
         await self.page.evaluate("void window.jupyterapp.shell.currentWidget.close()")
 
     def cell(self, cell: int) -> Any:
-        """Where a cell is on the page."""
+        """Return a cell's locator on the page."""
         return self.page.locator(f".jp-NotebookPanel:not(.lm-mod-hidden) .jp-Cell[data-windowed-list-index='{cell}']")
 
     async def _choose(self, cell: int) -> None:
@@ -196,7 +196,7 @@ class Notebook:
         await self._do("content.deselectAll()")
 
     async def _do(self, code: str) -> Any:
-        """Evaluate something about the notebook's widget."""
+        """Evaluate JavaScript about the notebook's widget."""
         return await self.page.evaluate(f"{NOTEBOOK}.{code}")
 
     async def _command(self, name: str) -> None:
@@ -204,16 +204,16 @@ class Notebook:
 
 
 async def _execute(page: Page, name: str, **arguments: str) -> None:
-    """Have JupyterLab do something; don't wait."""
+    """Make JupyterLab execute a command, without waiting."""
     await page.evaluate("(all) => void window.jupyterapp.commands.execute(...all)", [name, arguments])
 
 
 @asynccontextmanager
 async def jupyter_lab(folder: Path, base_url: str = "/") -> AsyncIterator[Lab]:
-    """Run a JupyterLab of our own, which knows nothing of the user's, and end it with all its children.
+    """Run a JupyterLab that ignores the user's settings, and end it with all its children.
 
     Args:
-        folder: an empty folder for its notebooks and everything that it remembers.
+        folder: an empty folder for its notebooks and settings.
         base_url: the path of its server, such as ``/user/ada/``.
     """
     environment = _environment(folder)
@@ -251,14 +251,14 @@ def _command(notebooks: Path, base_url: str) -> list[str]:
         "ServerApp": {"ip": "127.0.0.1", "port": 0, "base_url": base_url, "root_dir": notebooks, "allow_root": True},
         "IdentityProvider": {"token": TOKEN},
         "LabApp": {"expose_app_in_browser": True, "news_url": None},
-        "LanguageServerManager": {"autodetect": False},  # it asks npm where they might be
+        "LanguageServerManager": {"autodetect": False},  # otherwise it asks npm for language servers
     }
     words = [f"--{part}.{name}={value}" for part, given in options.items() for name, value in given.items()]
     return [sys.executable, "-m", "jupyterlab", "--no-browser", *words]
 
 
 async def _address(folder: Path, server: psutil.Popen) -> str:
-    """Wait until the server says where it is."""
+    """Wait until the server prints its address."""
     deadline = time.monotonic() + PATIENCE
     while True:
         for path in (folder / _FOLDERS["JUPYTER_RUNTIME_DIR"]).glob("jpserver-*.json"):

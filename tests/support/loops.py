@@ -1,4 +1,4 @@
-"""Tests that run in an event loop, and what they wait for there."""
+"""Run tests in an event loop, and wait for conditions there."""
 
 import asyncio
 import time
@@ -9,7 +9,7 @@ from inspect import isawaitable
 import pytest
 
 PATIENCE = 60.0
-"""How long a condition may take to come true [s]: long, for both cores may be busy."""
+"""How long a condition may take to come true [s]. Both cores may be busy, and only a failing test waits so long."""
 
 
 def in_a_loop(test: Callable[..., Coroutine[None, None, None]]) -> Callable[..., None]:
@@ -27,8 +27,8 @@ async def until(condition: Callable[[], object], what: str = "the condition", pa
 
     Args:
         condition: a function, which may be async.
-        what: what to wait for, for the error.
-        patience: how long to wait at most [s].
+        what: the name of the condition, for the error.
+        patience: the longest time to wait [s].
     """
     deadline = time.monotonic() + patience
     while not await _result(condition):

@@ -1,7 +1,7 @@
-"""Mutants: a source with one small fault each, as a tool for mutation testing would make them.
+"""Mutants: variants of a source with one small fault each, as in mutation testing.
 
-cosmic-ray and mutmut mutate the files of a project, one test run a mutant, and know neither the order of statements nor
-names: `ast` needs less than they would.
+cosmic-ray and mutmut mutate a project's files, with a test run per mutant, but don't change the order of statements or
+names. Using `ast` directly takes less code.
 """
 
 import ast
@@ -20,22 +20,22 @@ from tutorial.checks.exercise import Exercise, listing
 
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
-OPPOSITES = {"min": "max", "max": "min"}  # of the names that are not the source's own
-SYMMETRIC = {*OPPOSITES, "hypot"}  # take their arguments in any order
+OPPOSITES = {"min": "max", "max": "min"}  # for names that the source does not define itself
+SYMMETRIC = {*OPPOSITES, "hypot"}  # functions whose arguments can be in any order
 ENDS = ("create_publisher", "create_subscription")
-"""The calls whose last argument, how many messages may wait, is left to an answer."""
-FILE = "mutant"  # what a mutant's code has for a file
+"""Calls whose last argument, the number of waiting messages, an answer may choose."""
+FILE = "mutant"  # the file name of a mutant's code
 
-Edit = tuple[str, Any]  # the field of a node, and what it becomes
+Edit = tuple[str, Any]  # a node's field, and its new value
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """A source that differs in one place.
+    """A source with one change.
 
     Attributes:
-        change: the lines that differ, before and after: ``"q = 1 → q = 2"``; a number tells apart what differs alike.
-        source: the whole.
+        change: the changed lines, before and after: ``"q = 1 → q = 2"``; a number distinguishes equal changes.
+        source: the whole source.
     """
 
     change: str
@@ -44,10 +44,10 @@ class Mutant:
 
 @cache
 def mutants_of(exercise: Exercise) -> tuple[Mutant, ...]:
-    """Make every mutant of an exercise's right answer, each once, without those that are no Python.
+    """Make every mutant of an exercise's right answer, each once, without invalid Python.
 
-    Its operators are replaced by others of their kind, numbers and texts changed, signs and conditions turned round,
-    what stands side by side is exchanged, statements and other parts are left out, and names stand for one another.
+    They replace operators by similar ones, change numbers and texts, negate signs and conditions, swap
+    neighbours, leave out statements and other parts, and exchange names.
     """
     tree = ast.parse(listing(exercise.right_answer))
     original = ast.unparse(tree)
@@ -71,7 +71,7 @@ def mutants_of(exercise: Exercise) -> tuple[Mutant, ...]:
 
 
 def define(exercise: Exercise, mutant: Mutant) -> Any:
-    """Define a mutant as a notebook would; what its code takes from outside is the right answer's.
+    """Define a mutant as a notebook would; names from outside its code come from the right answer's module.
 
     Returns:
         The class or function.
@@ -84,12 +84,12 @@ def define(exercise: Exercise, mutant: Mutant) -> Any:
 
 
 async def rejects(exercise: Exercise, mutant: Mutant, limit: float) -> bool:
-    """Whether an exercise's check finds that a mutant is wrong, judged in a process of its own.
+    """Return whether an exercise's check rejects a mutant, judged in a separate process.
 
     Args:
-        exercise: whose right answer it is a mutant of.
+        exercise: the exercise of the mutated answer.
         mutant: the mutant.
-        limit: how long it may take [s]; what takes longer is not rejected.
+        limit: the longest time that it may take [s]; a slower one is not rejected.
     """
     try:
         async with asyncio.timeout(limit):
@@ -100,7 +100,7 @@ async def rejects(exercise: Exercise, mutant: Mutant, limit: float) -> bool:
 
 
 def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
-    """Yield what can be done to the nodes, each with a field and its new value."""
+    """Yield all possible edits: a node, a field and its new value."""
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
     depths = {id(call.args[-1]) for call in calls if ast.unparse(call.func).endswith(ENDS)}
     for node in ast.walk(tree):
@@ -116,7 +116,7 @@ def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
 
 
 def _exchanged_names(nodes: Sequence[ast.Name | ast.Attribute], tree: ast.Module) -> Iterator[tuple[ast.AST, str, str]]:
-    """Have each name stand for each other that is used alike, of the same object: read, set, called, or looked into."""
+    """Replace each name by every other that is used in the same way on the same object, such as read, set or called."""
     uses = {id(node.func): "called" for node in ast.walk(tree) if isinstance(node, ast.Call)}
     looks = (node for node in ast.walk(tree) if isinstance(node, (ast.Attribute, ast.Subscript)))
     uses |= {id(node.value): "looked into" for node in looks}
@@ -173,7 +173,7 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
 
 
 def _are_unrelated(one: ast.stmt, other: ast.stmt) -> bool:
-    """Whether two assignments may stand in either order: neither uses what the other sets, nor begins to listen."""
+    """Return whether two assignments can be swapped: neither uses the other's target, and neither subscribes."""
     if not (isinstance(one, ast.Assign) and isinstance(other, ast.Assign)) or ".create_" in ast.unparse([one, other]):
         return False
     sets, uses = [], []
@@ -211,7 +211,7 @@ def _negated(test: ast.expr) -> ast.expr:
 
 
 def _negative(value: ast.expr) -> ast.expr:
-    """Turn the sign round; of a number that is done by `_other_constants`."""
+    """Negate an expression; `_other_constants` negates numbers."""
     return value if isinstance(value, ast.Constant) else ast.UnaryOp(ast.USub(), value)
 
 
@@ -220,12 +220,12 @@ def _one_left_out(items: list[Any]) -> list[list[Any]]:
 
 
 def _exchanged(items: list[Any]) -> list[list[Any]]:
-    """Return the list with each two neighbours exchanged."""
+    """Return the list with each pair of neighbours swapped."""
     return [[*items[:i], items[i + 1], items[i], *items[i + 2 :]] for i in range(len(items) - 1)]
 
 
 def _change(before: str, after: str) -> str:
-    """Tell the lines that differ."""
+    """Describe the lines that differ."""
     old, new = before.splitlines(), after.splitlines()
     begin = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(old, new)))
     rest = reversed(old[begin:]), reversed(new[begin:])

@@ -1,4 +1,4 @@
-"""A pytest plugin: each notebook is run in a ROS domain of its own, by a kernel that no user's settings change."""
+"""A pytest plugin: run each notebook in a separate ROS domain, by a kernel that ignores the user's settings."""
 
 import os
 import tempfile
@@ -18,21 +18,21 @@ _open: dict[IPyNbFile, ExitStack] = {}
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Remember nothing that a test solves."""
+    """Keep no record of solved exercises."""
     folder = tempfile.TemporaryDirectory(prefix="progress-")
     config.add_cleanup(folder.cleanup)
     os.environ["TANK_PROGRESS"] = os.path.join(folder.name, "progress.json")  # noqa: PTH118
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip the cells of a notebook that waits for pictures, where nothing renders."""
+    """Skip the cells of a notebook that waits for images if this machine cannot render."""
     if isinstance(item.parent, IPyNbFile) and item.parent.path.stem == "6_camera_publisher":
         need_pictures()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Iterator[None]:
-    """Around each cell; the first one of a notebook starts its kernel, the last one ends it."""
+    """Wrap each cell; the first one of a notebook starts its kernel, the last one ends it."""
     notebook = item.parent
     if isinstance(notebook, IPyNbFile) and notebook not in _open:
         _open[notebook] = own_surroundings()
@@ -43,13 +43,13 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 
 def own_surroundings() -> ExitStack:
-    """Have the kernels that are started until this is closed run in a domain, and with settings, of their own."""
+    """Give kernels that start until this is closed a separate domain and settings."""
     stack = ExitStack()
     environment = stack.enter_context(pytest.MonkeyPatch.context())
     environment.setenv("ROS_DOMAIN_ID", str(stack.enter_context(reserved_domain())))
     settings = stack.enter_context(tempfile.TemporaryDirectory(prefix="ipython-"))
     environment.setenv("IPYTHONDIR", settings)
     environment.setenv("TANK_PROGRESS", f"{settings}/progress.json")
-    no_ports = partial(KernelManager, transport="ipc", ip=f"{settings}/socket")  # another process may take a port first
+    no_ports = partial(KernelManager, transport="ipc", ip=f"{settings}/socket")  # no port for others to take
     environment.setattr(nbval.kernel, "KernelManager", no_ports)
     return stack

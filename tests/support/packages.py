@@ -1,4 +1,4 @@
-"""ROS 2 packages that ``tank package`` has made, installed as colcon does it, without colcon and without a network."""
+"""Install the ROS 2 packages of ``tank package`` like colcon, but without colcon and without a network."""
 
 import os
 import subprocess
@@ -24,13 +24,13 @@ class JointStatePublisher(joint_state_publisher.JointStatePublisher):
 
 
 def need_setuptools() -> None:
-    """Skip the test where setuptools is missing. Don't import it: it cannot be imported after ``find_spec("pip")``."""
+    """Skip the test if setuptools is missing. Don't import it: that fails after ``find_spec("pip")``."""
     if find_spec("setuptools") is None:
-        pytest.skip("a package is installed by setuptools, which ROS 2 has")
+        pytest.skip("installing a package needs setuptools, which comes with ROS 2")
 
 
 def run(*arguments: object, cwd: Path, **environment: str) -> str:
-    """Run Python somewhere, and return what it prints."""
+    """Run Python in a folder, and return its output."""
     pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": 2 * PATIENCE}
     words, variables = [sys.executable, *map(str, arguments)], {**os.environ, **environment}
     done = subprocess.run(words, cwd=cwd, env=variables, check=False, **pipe)
@@ -39,7 +39,7 @@ def run(*arguments: object, cwd: Path, **environment: str) -> str:
 
 
 def install(package: Path, prefix: Path) -> Path:
-    """Install a package as ``colcon build`` does, all packages into one prefix; return where Python finds it."""
+    """Install a package like ``colcon build``, all packages into one prefix; return Python's path for it."""
     (package / "build").mkdir()
     how = ("--single-version-externally-managed", "--record", "build/record.txt")
     run("setup.py", "install", *how, "--prefix", prefix, cwd=package)

@@ -1,4 +1,4 @@
-"""What the tests need that look at rendered pictures."""
+"""Helpers for tests of rendered images."""
 
 import functools
 import os
@@ -26,21 +26,21 @@ RED_BLOCK = """
   </worldbody>
 </mujoco>
 """
-"""A camera that looks along x at a red block before a blue wall."""
+"""A camera that looks along x at a red block in front of a blue wall."""
 
 
 @functools.cache
 def problem() -> str:
-    """Why nothing renders here; empty if something does."""
+    """Return why this machine cannot render, or ""."""
     try:
         with Offscreen(mujoco.MjModel.from_xml_string(RED_BLOCK)):
             return ""
-    except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise what they like
+    except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise any exception
         return f"nothing renders here ({type(error).__name__}: {error}): apt-get install libegl1 libgl1"
 
 
 def need_pictures() -> None:
-    """Skip the test where nothing renders, and say why; in CI (CI=true) it fails."""
+    """Skip the test if this machine cannot render, with the reason; in CI (CI=true) fail it."""
     if problem():
         (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(problem())
 
@@ -53,6 +53,6 @@ def red_block(folder: Path) -> Path:
 
 
 def is_red(pixel) -> bool:
-    """Whether a pixel, red, green and blue, is clearly red."""
+    """Return whether a pixel, red, green and blue, is clearly red."""
     red, green, blue = (int(each) for each in pixel)
     return red > 100 and red > 2 * max(green, blue)

@@ -1,4 +1,4 @@
-"""Starting the command ``tank`` as a user does, and seeing to it that nothing of it is left."""
+"""Start the command ``tank`` as a user does, and check that nothing of it is left."""
 
 import os
 import shutil
@@ -20,12 +20,12 @@ import pytest
 
 TANK = str(Path(sys.executable).parent / "tank")
 PATIENCE = 60.0
-"""How long a condition may take to come true [s]: long, for both cores may be busy. Only a failing test waits that
+"""How long a condition may take to come true [s]. Both cores may be busy, and only a failing test waits so
 long."""
 
 
 def until(condition: Callable[[], object], what: str = "the condition", patience: float = PATIENCE) -> None:
-    """Wait until something is so, and fail if it never is."""
+    """Wait until a condition holds, and fail if it never does."""
     deadline = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < deadline, f"waited in vain for {what}"
@@ -33,7 +33,7 @@ def until(condition: Callable[[], object], what: str = "the condition", patience
 
 
 def answer(request: Request | str, patience: float = PATIENCE) -> HTTPResponse:
-    """Ask a server for something, as soon as it listens."""
+    """Send a request to a server as soon as it listens."""
     deadline = time.monotonic() + patience
     while True:
         try:
@@ -45,7 +45,7 @@ def answer(request: Request | str, patience: float = PATIENCE) -> HTTPResponse:
 
 
 def marked(mark: str) -> list[psutil.Process]:
-    """Every process that runs and was started with this mark in ``TANK_TEST_MARK``: it is handed down."""
+    """Return every running process with this mark in ``TANK_TEST_MARK``, which children inherit."""
 
     def is_marked(process: psutil.Process) -> bool:
         try:
@@ -57,11 +57,11 @@ def marked(mark: str) -> list[psutil.Process]:
 
 
 class Program:
-    """One running ``tank`` command, its output line by line, and all processes that come from it.
+    """A running ``tank`` command with its lines of output and all its descendants.
 
     Args:
-        arguments: those of the command.
-        environment: variables to add.
+        arguments: the command's arguments.
+        environment: additional variables.
     """
 
     def __init__(self, *arguments: object, environment: dict[str, str] | None = None) -> None:
@@ -80,35 +80,35 @@ class Program:
 
     @property
     def output(self) -> str:
-        """What it has said so far."""
+        """Its output so far."""
         return "".join(self.lines)
 
     def says(self, text: str) -> None:
-        """Wait until it has said something; what it said instead is told when it does not."""
+        """Wait until it has printed a text; if it ends first, fail with its output."""
         with suppress(AssertionError):
             until(lambda: text in self.output or not self._reader.is_alive())
         assert text in self.output, f"waited in vain for {text!r}, it said:\n{self.output}"
 
     def asks_to_stop(self) -> None:
-        """Do what Ctrl-C does."""
+        """Press Ctrl-C."""
         self.process.send_signal(signal.SIGINT)
 
     def ends(self) -> int:
-        """Wait for its end; return its exit status."""
+        """Wait for its end, and return its exit status."""
         status = self.process.wait(PATIENCE)
         self._reader.join(PATIENCE)
         return status
 
     def family(self) -> list[psutil.Process]:
-        """Every process that comes from it and still runs, this one included."""
+        """Return it and all its descendants that are still running."""
         return marked(self._mark)
 
     def leaves_nothing(self) -> None:
-        """Wait until none of its processes is left."""
+        """Wait until all its processes have ended."""
         until(lambda: not self.family(), f"the end of {self.family()}")
 
     def clear(self) -> None:
-        """Kill what is left of it."""
+        """Kill the rest of it."""
         for process in self.family():
             process.kill()
         self.process.wait()
@@ -121,7 +121,7 @@ class Program:
 
 
 def need_sandbox_here() -> None:
-    """Skip the test where there is no sandbox, and say why; in CI (CI=true) the program for it has to be there."""
+    """Skip the test without a sandbox, with the reason; in CI (CI=true) bubblewrap must be installed."""
     from tutorial.commands.checking.sandbox import need_sandbox
     from tutorial.errors import TutorialError
 

@@ -1,4 +1,4 @@
-"""What a real ``ros2`` printed, from tests/support/data."""
+"""The recorded output of a real ``ros2``, from tests/support/data."""
 
 import re
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ RECORDED = (Path(__file__).parent / "data" / "ros2_cli.txt").read_text(encoding=
 
 
 def recorded(command: str) -> str:
-    """What a command printed, standard error included."""
+    """Return a command's output, including standard error."""
     return _row(command)[1]
 
 
@@ -23,7 +23,7 @@ def recorded_status(command: str) -> int:
 
 
 def joint_state() -> JointState:
-    """The message that was published."""
+    """Return the message that was published."""
     message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.25, -0.00979])
     message.velocity, message.effort = [0.0, 0.0], [0.0, 1.9613]
     message.header.stamp.sec, message.header.stamp.nanosec = 8, 160_000_000
@@ -32,7 +32,7 @@ def joint_state() -> JointState:
 
 @contextmanager
 def recorded_nodes() -> Iterator[list[MeteredNode]]:
-    """The three nodes that there were, each with a context of its own; the first publishes at 50 Hz."""
+    """Run the three recorded nodes, each in its own context; the first publishes at 50 Hz."""
     with ExitStack() as stack:
         nodes = [stack.enter_context(NodeThread(name)).node for name in ("simulation", "viewer", "joystick")]
         simulation, viewer, joystick = nodes

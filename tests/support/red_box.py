@@ -1,4 +1,4 @@
-"""A program that shows a red box, for tests that look at its picture: in a browser's page, or in a notebook's cell."""
+"""Show a red box, for tests that look at its picture: in a browser's page, or in a notebook's cell."""
 
 import mujoco
 
@@ -19,7 +19,7 @@ MODEL = """
 
 
 class RedBox:
-    """The box, before a camera that looks along y at a point in the plane of the box."""
+    """The box, in front of a camera that looks along y at a point in the plane of the box."""
 
     def __init__(self, x=0, z=0):
         self.model = mujoco.MjModel.from_xml_string(MODEL)
@@ -47,5 +47,5 @@ class RedBox:
 
     @property
     def place(self):
-        """How far right of the picture's middle, and above it, the box is [m]."""
+        """Return how far right of the picture's centre, and above it, the box is [m]."""
         return self.data.qpos[[0, 2]] - self.middle

@@ -1,4 +1,4 @@
-"""Scripts of this repository, run with fake programs."""
+"""Run scripts of this repository with fake programs."""
 
 import subprocess
 from pathlib import Path
@@ -11,6 +11,6 @@ def write_script(path: Path, script: str) -> None:
 
 
 def run_script(script: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run a shell script with these environment variables only."""
+    """Run a shell script with only these environment variables."""
     command = ["/bin/sh", script, *arguments]
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)

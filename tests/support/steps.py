@@ -1,4 +1,4 @@
-"""What the course has beside its steps."""
+"""The parts of the course that belong to no step."""
 
 BESIDE = {"robot_description_publisher"}
 """Controllers that no notebook builds: files of ``tutorial/controllers/`` without the suffix."""

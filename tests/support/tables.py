@@ -1,4 +1,4 @@
-"""What bench, soak and mutants print."""
+"""Print the tables of bench, soak and mutants."""
 
 import sys
 from collections.abc import Iterable, Sequence
@@ -10,7 +10,7 @@ console = Console(width=None if sys.stdout.isatty() else 140)
 
 
 def show(columns: Sequence[str], rows: Iterable[Sequence[str]], caption: str | None = None) -> None:
-    """Print a table, with its numbers to the right."""
+    """Print a table, with its numbers aligned to the right."""
     table = Table(*columns, caption=caption, caption_justify="left")
     for column in table.columns[1:]:
         column.justify = "right"

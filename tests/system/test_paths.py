@@ -1,4 +1,4 @@
-"""Which course folder is meant: it depends on where one works."""
+"""The choice of the course folder: it depends on the current directory."""
 
 from tutorial.system import paths
 from tutorial.system.paths import PACKAGE, SHIPPED, find_home
@@ -10,7 +10,7 @@ def make_course(folder):
     return folder
 
 
-def test_the_nearest_course_folder_is_home_of_all_that_is_in_it(tmp_path):
+def test_home_is_the_nearest_course_folder(tmp_path):
     assert not SHIPPED.exists(), "as in a checkout"
     (tmp_path / "notebooks").mkdir()
     (tmp_path / "project").mkdir()
@@ -21,7 +21,7 @@ def test_the_nearest_course_folder_is_home_of_all_that_is_in_it(tmp_path):
     assert find_home(inner) == find_home(inner / "notebooks") == inner
 
 
-def test_a_strangers_folder_is_passed_over(tmp_path, monkeypatch):
+def test_a_folder_of_someone_else_is_skipped(tmp_path, monkeypatch):
     course = make_course(tmp_path / "mine")
     monkeypatch.setattr(paths, "ROOT", -1)
     monkeypatch.setattr("os.getuid", lambda: course.stat().st_uid + 1)

@@ -1,4 +1,4 @@
-"""The arrows of inertial sensors: where they point, when they are there, and what is said of them."""
+"""The arrows of inertial sensors: their directions, when they appear, and their line."""
 
 import math
 
@@ -15,7 +15,7 @@ from tutorial.view.shapes import draw_arrow
 from tutorial.world import Placement
 
 RED, BLUE = "/Bodies/Tank/acceleration", "/Bodies/Tank/angular velocity"
-FRAMES = 40  # after which what is smoothed has come to rest
+FRAMES = 40  # after which a smoothed arrow has come to rest
 
 
 class Stage:
@@ -39,7 +39,7 @@ class Stage:
             self.view.flush()
 
     def arrows(self, path):
-        """The matrices that were sent."""
+        """Return the matrices that were sent."""
         sent = [each for each in commands(b"".join(self.messages)) if each["path"] == path]
         return [np.array(each["matrix"]).reshape(4, 4).T for each in sent if each["type"] == "set_transform"]
 
@@ -49,32 +49,32 @@ def stage():
     return Stage()
 
 
-def test_where_nothing_was_measured_there_is_no_arrow(stage):
+def test_without_measurements_there_is_no_arrow(stage):
     stage.view.update("Tank", stage.body.data)
     stage.view.flush()
     assert stage.arrows(RED) + stage.arrows(BLUE) == []
     assert stage.view.readings("Tank") == []
 
 
-def test_at_rest_gravity_is_taken_off(stage):
+def test_at_rest_gravity_is_subtracted(stage):
     stage.measure()
     assert not stage.arrows(RED)
     said = ("Tank", "acceleration", "0.00", "0.00", "9.81", "m/s²", "red arrow: without gravity")
     assert stage.view.readings("Tank") == [said]
 
 
-def test_arrows_point_as_the_body_is_turned_from_above_the_sensor(stage):
+def test_arrows_start_above_the_sensor_and_turn_with_the_body(stage):
     stage.measure((4.0, 0.0, 9.80665), (0.0, 0.0, -2.0))
     red, blue = stage.arrows(RED)[-1], stage.arrows(BLUE)[-1]
     assert red[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.35])
     assert blue[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.45])
-    assert red[:3, 2] == pytest.approx([0.0, 0.2, 0.0], abs=1e-9)  # ahead is y, 0.05 m for each m/s^2
+    assert red[:3, 2] == pytest.approx([0.0, 0.2, 0.0], abs=1e-9)  # ahead is y, with 0.05 m per m/s^2
     assert blue[:3, 2] == pytest.approx([0.0, 0.0, -0.2], abs=1e-9)
     said = ("Tank", "angular velocity", "0.00", "0.00", "-2.00", "rad/s", "blue arrow")
     assert stage.view.readings("Tank")[1] == said
 
 
-def test_it_grows_and_shrinks_smoothly_and_follows_the_body(stage):
+def test_an_arrow_changes_smoothly_and_follows_the_body(stage):
     stage.measure((10.0, 0.0, 9.80665))
     stage.measure(frames=1)
     stage.measure(frames=FRAMES)
@@ -83,10 +83,10 @@ def test_it_grows_and_shrinks_smoothly_and_follows_the_body(stage):
     assert max(lengths) == pytest.approx(0.5)
     assert lengths == sorted(lengths[: top + 1]) + sorted(lengths[top + 1 :], reverse=True)
     assert np.abs(np.diff(lengths)).max() < 0.2
-    assert lengths[-1] < 0.01  # what is too short is not seen
+    assert lengths[-1] < 0.01  # too short to be drawn
     sent = len(stage.messages)
     stage.view.flush()
-    assert len(stage.messages) == sent  # and costs nothing
+    assert len(stage.messages) == sent  # and nothing is sent for it
     stage.body.position = (0.0, 0.0, 0.5)
     stage.body.calc_forward_kinematics()
     stage.measure()
@@ -94,7 +94,7 @@ def test_it_grows_and_shrinks_smoothly_and_follows_the_body(stage):
 
 
 @pytest.mark.parametrize("value", [1e300, -1e300, math.inf, math.nan])
-def test_no_message_makes_an_arrow_that_is_endless(stage, value):
+def test_no_message_makes_an_endless_arrow(stage, value):
     stage.measure((value, 0.0, 0.0), (0.0, value, 0.0))
     for matrix in stage.arrows(RED) + stage.arrows(BLUE):
         assert np.isfinite(matrix).all()
@@ -102,10 +102,10 @@ def test_no_message_makes_an_arrow_that_is_endless(stage, value):
     assert all(len(cell) < 30 for row in stage.view.readings("Tank") for cell in row)
 
 
-def test_an_arrow_is_a_metre_long_along_its_z_and_of_the_colour_that_is_said():
+def test_an_arrow_is_a_metre_long_along_z_and_coloured():
     arrow = draw_arrow("x", 0xD0342C)
     [outline], [material] = arrow["geometries"], arrow["materials"]
-    points = np.array([(point["x"], point["y"]) for point in outline["points"]])  # from the axis, and along it
+    points = np.array([(point["x"], point["y"]) for point in outline["points"]])  # across and along the axis
     assert points.min(axis=0).tolist() == [0.0, 0.0]
     assert points[points[:, 1].argmax()].tolist() == [0.0, 1.0], "the tip"
     assert points[:, 0].max() < 0.05
@@ -114,7 +114,7 @@ def test_an_arrow_is_a_metre_long_along_its_z_and_of_the_colour_that_is_said():
     assert material["color"] == 0xD0342C
 
 
-def test_a_replay_has_its_length(stage):
+def test_a_replay_has_the_arrows_length(stage):
     stage.measure((10.0, 0.0, 9.80665))
     animation = Animation()
     animation.add(0.0, b"".join(stage.messages))

@@ -1,4 +1,4 @@
-"""The view draws what MuJoCo has, where MuJoCo has it."""
+"""The view draws MuJoCo's shapes where MuJoCo has them."""
 
 import mujoco
 import numpy as np
@@ -11,7 +11,7 @@ from tutorial.view.scene import Record, Scene, unpack_records
 
 POSE = 'pos="1 2 3" quat="0.5 0.5 -0.5 0.5"'
 TURN = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]])
-"""The rotation of that."""
+"""Its rotation matrix."""
 
 FALLING = """
 <mujoco>
@@ -26,10 +26,10 @@ FALLING = """
 
 
 class Eye:
-    """What a scene shows, by path: objects of bodies, transforms, properties; and in how many messages.
+    """The state that a scene shows: objects, transforms and properties by path, and the number of messages.
 
     Attributes:
-        moved: the paths of the transforms of the last message.
+        moved: the paths of the last message's transforms.
     """
 
     def __init__(self, scene):
@@ -50,7 +50,7 @@ class Eye:
 
 
 def drawn(**models):
-    """A view with these models, and what is seen of it."""
+    """Return a view with these models, and an `Eye` on it."""
     view = View(scene := Scene())
     for name, model in models.items():
         view.add(name, model)
@@ -66,7 +66,7 @@ SPHERE = model_of('<geom name="g" type="sphere" size="1"/>')
 
 
 def drawing_of(geom, assets=""):
-    """The (geometry, material, 4 x 4 pose in the body) that one geom is drawn with."""
+    """Return how one geom is drawn: (geometry, material, 4 x 4 pose in the body)."""
     _, eye = drawn(x=model_of(geom, assets))
     [drawing] = eye.objects.values()
     [geometry], [material] = drawing["geometries"], drawing["materials"]
@@ -76,7 +76,7 @@ def drawing_of(geom, assets=""):
 
 
 def corners(geometry):
-    """Some points of the geometry's surface as three.js makes them, (n, 3)."""
+    """Return some points on the geometry's surface as three.js builds it, (n, 3)."""
     kind, turns = geometry["type"], ((1, 0), (0, 1), (-1, 0), (0, -1))
     if kind == "PlaneGeometry":
         return np.array([[x * geometry["width"], y * geometry["height"], 0] for x in (-0.5, 0.5) for y in (-0.5, 0.5)])
@@ -116,7 +116,7 @@ def test_each_shape_has_its_size_and_pose(geom, half):
     np.testing.assert_allclose(in_geom.min(axis=0), np.negative(half), atol=1e-3)
 
 
-def test_a_mesh_is_where_its_vertices_are():
+def test_a_mesh_is_at_its_vertices():
     vertices = "0 0 0  0.6 0 0  0 0.8 0  0 0 1"
     geometry, _, pose = drawing_of(f'<geom type="mesh" mesh="m" {POSE}/>', f'<mesh name="m" vertex="{vertices}"/>')
     in_body = corners(geometry) @ pose[:3, :3].T + pose[:3, 3]
@@ -140,13 +140,13 @@ RED = '<material name="m" rgba="1 0 0 1" shininess="1" specular="0.5" emission="
         ('material="m" rgba="0 0 1 1"', RED, {"color": 0x0000FF, "shininess": 128}),
     ],
 )
-def test_the_colour_is_the_one_that_mujoco_shows(look, assets, expected):
+def test_the_colour_is_mujocos(look, assets, expected):
     _, material, _ = drawing_of(f'<geom type="sphere" size="1" {look}/>', assets)
     assert {key: material[key] for key in expected} == expected
 
 
 @pytest.mark.parametrize("look", ['group="3"', 'rgba="1 0 0 0"'])
-def test_what_is_not_to_be_seen_is_not_drawn(look):
+def test_hidden_geoms_are_not_drawn(look):
     _, eye = drawn(x=model_of(f'<geom type="sphere" size="1" {look}/>'))
     assert eye.objects == {}
 
@@ -156,24 +156,24 @@ BALL, FLOOR, STILL = (f"/Bodies/world/{part}" for part in ("Tank.ball", "world",
 
 @pytest.fixture
 def falling():
-    """(model, data, view, what is seen of it)"""
+    """The falling body: (model, data, view, eye)."""
     model = mujoco.MjModel.from_xml_string(FALLING)
     return model, mujoco.MjData(model), *drawn(world=model)
 
 
-def test_what_was_only_added_stands_where_its_model_has_it_at_a_path_that_is_readable(falling):
+def test_an_added_body_is_at_its_models_pose_under_a_readable_path(falling):
     *_, eye = falling
     assert sorted(eye.objects) == [f"{BALL}/Tank.skin", f"{STILL}/1", f"{FLOOR}/floor"]
     np.testing.assert_allclose(eye.transforms[BALL][:3, 3], [0, 0, 1])
 
 
-def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent(falling):
+def test_only_a_moving_body_is_sent_at_mujocos_pose(falling):
     model, data, view, eye = falling
     data.qvel[:6] = [1, 0, 0, 1, 2, 3]
     for _ in range(5):
         mujoco.mj_step(model, data, nstep=10)
         mujoco.mj_kinematics(model, data)
-        for _ in range(2):  # the second time it stands still
+        for _ in range(2):  # the second time it does not move
             view.update("world", data)
             view.flush()
         pose = eye.transforms[BALL]
@@ -189,7 +189,7 @@ def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent(falling):
 
 
 @pytest.mark.parametrize("far", [np.nan, np.inf, 1e300, -1e39])
-def test_what_is_nowhere_stays_where_it_was_and_the_others_move(falling, far):
+def test_a_body_at_an_invalid_place_stays_and_the_rest_move(falling, far):
     model, data, view, eye = falling
     mujoco.mj_kinematics(model, data)
     for ball, still, moved in (([far, 0, 2], [0, 1, 2], STILL), ([0, 0, 3], [0, 1, 2], BALL)):
@@ -199,7 +199,7 @@ def test_what_is_nowhere_stays_where_it_was_and_the_others_move(falling, far):
         assert eye.moved == [moved]
 
 
-def test_what_is_removed_is_away_and_can_be_added_again(falling):
+def test_a_removed_body_disappears_and_can_be_added_again(falling):
     *_, view, _ = falling
     view.remove("world")
     assert Eye(view.scene).objects == {}
@@ -207,7 +207,7 @@ def test_what_is_removed_is_away_and_can_be_added_again(falling):
     assert list(Eye(view.scene).objects) == ["/Bodies/world/b/g"]
 
 
-def test_the_grid_is_there_as_long_as_there_is_no_floor():
+def test_the_grid_is_shown_until_there_is_a_floor():
     view, _ = drawn(ball=SPHERE)
     for change, arguments, visible in (
         (view.add, ("other", SPHERE), True),
@@ -235,7 +235,7 @@ TURRET = """
 """
 
 
-def test_what_stale_joints_move_is_grey_until_they_are_heard_of_again():
+def test_the_parts_moved_by_stale_joints_are_grey():
     view, eye = drawn(Tank=mujoco.MjModel.from_xml_string(TURRET))
 
     def colours(*stale):
@@ -256,7 +256,7 @@ def test_what_stale_joints_move_is_grey_until_they_are_heard_of_again():
 
 
 @pytest.mark.parametrize("size", [0.1, 2.0])
-def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
+def test_a_close_ups_distance_fits_the_bodys_size(size):
     xml = f'<mujoco><worldbody><body pos="1 2 3"><geom type="sphere" size="{size}"/></body></worldbody></mujoco>'
     model = mujoco.MjModel.from_xml_string(xml)
     view, eye = drawn(Ball=model)

@@ -1,4 +1,4 @@
-"""Pictures from the cameras of a simulated world: what is on them, and who waits for them."""
+"""Images from the cameras of a simulated world: their contents, and the threads that wait for them."""
 
 import sys
 import threading
@@ -17,7 +17,7 @@ from tutorial.world import Placement
 
 
 class Stage:
-    """A world with a red block before a camera, and its renderer."""
+    """A world with a red block in front of a camera, and its renderer."""
 
     def __init__(self, folder, controllers=()):
         self.placement = Placement("Eye", red_block(folder))
@@ -31,13 +31,13 @@ class Stage:
 
 
 def elsewhere(function, *args):
-    """Call a function as the simulation's thread does, which does not wait for pictures."""
+    """Call a function like the simulation's thread, which does not wait for images."""
     with ThreadPoolExecutor(1) as pool:
         pool.submit(function, *args).result(PATIENCE)
 
 
 class Slow:
-    """A receiver that takes as long as it is told to."""
+    """A receiver that blocks until the test releases it."""
 
     def __init__(self, eye):
         self.taken, self.entered, self.may_leave = [], threading.Event(), threading.Event()
@@ -69,10 +69,10 @@ def middle(pixels):
     return pixels[height // 2, width // 2]
 
 
-def test_a_red_block_is_red_where_it_stands_and_the_topmost_row_comes_first(stage, eye):
-    stage.simulation.model.geom_pos[stage.simulation.model.geom("Eye/WALL").id, 2] = -4.0  # it reaches to the middle
+def test_a_red_block_is_red_in_its_place_and_the_top_row_is_first(stage, eye):
+    stage.simulation.model.geom_pos[stage.simulation.model.geom("Eye/WALL").id, 2] = -4.0  # it reaches up to the middle
     taken = []
-    eye.capture(taken.append)  # on the renderer's own thread: in lockstep
+    eye.capture(taken.append)  # on the renderer's own thread, so in lockstep
     stage.move(0.9)  # to the left
     eye.capture(taken.append)
     straight, aside = taken
@@ -84,14 +84,14 @@ def test_a_red_block_is_red_where_it_stands_and_the_topmost_row_comes_first(stag
     assert aside[230, 10, 2] > aside[10, 10, 2] + 50, "the wall is blue"
 
 
-def test_the_world_goes_on_while_a_picture_is_delivered_and_the_newest_replaces_what_waits(stage, eye):
+def test_the_world_goes_on_during_a_delivery_and_the_newest_request_wins(stage, eye):
     slow = Slow(eye)
     for aside in (0.9, 0.9, 0.0):
         stage.move(aside)
         elsewhere(eye.capture, slow.taken.append)
-    stage.move(0.9)  # after the copies were made
+    stage.move(0.9)  # after the state was copied
     slow.may_leave.set()
-    stage.body.camera("CAMERA").capture(lambda _: None)  # comes after them
+    stage.body.camera("CAMERA").capture(lambda _: None)  # waits for the delivery
     assert len(slow.taken) == 2
     assert is_red(middle(slow.taken[1]))
 
@@ -109,22 +109,22 @@ def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path, caplog):
     stage = Stage(tmp_path, [Broken()])
     with pytest.raises(TutorialError, match=r"Broken failed at 0\.000 s"):
         stage.simulation.advance(0.002)
-    assert (stage.renderer.error, caplog.text) == (None, "")  # it is the simulation's, and said there
+    assert (stage.renderer.error, caplog.text) == (None, "")  # the simulation reports it
     stage.renderer.close()
 
 
-def test_elsewhere_a_receivers_error_is_kept_and_logged_once(stage, eye, caplog):
+def test_on_other_threads_a_receivers_error_is_kept_and_logged_once(stage, eye, caplog):
     def broken(_):
         raise SystemExit("no")
 
     for _ in range(3):
         elsewhere(eye.capture, broken)
-        stage.body.camera("SMALL").capture(lambda _: None)  # comes after it
+        stage.body.camera("SMALL").capture(lambda _: None)  # waits for the first one
     assert isinstance(stage.renderer.error, SystemExit)
     assert [record.getMessage() for record in caplog.records] == ["a receiver of pictures failed; the others go on"]
 
 
-def test_a_closed_camera_delivers_nothing_more(stage, eye):
+def test_a_closed_camera_delivers_no_more_images(stage, eye):
     slow = Slow(eye)
     elsewhere(eye.capture, slow.taken.append)
     closing = threading.Thread(target=eye.close)
@@ -132,14 +132,14 @@ def test_a_closed_camera_delivers_nothing_more(stage, eye):
     until(lambda: not stage.renderer._requests, "the drop of what waited")
     slow.may_leave.set()
     closing.join(PATIENCE)
-    assert len(slow.taken) == 1  # what was being delivered has come to its end before close() returns
+    assert len(slow.taken) == 1  # close() waits for a running delivery
     stage.body.camera("SMALL").capture(lambda _: None)
     assert len(slow.taken) == 1
     eye.close()
-    eye.capture(lambda _: eye.close())  # a receiver may, too
+    eye.capture(lambda _: eye.close())  # a receiver may call close(), too
 
 
-def test_after_close_nothing_is_taken(stage, eye):
+def test_after_close_no_image_is_taken(stage, eye):
     taken = []
     eye.capture(taken.append)
     stage.renderer.close()
@@ -148,7 +148,7 @@ def test_after_close_nothing_is_taken(stage, eye):
     assert len(taken) == 1
 
 
-def test_where_nothing_renders_it_is_said_once_and_all_else_goes_on(stage, monkeypatch, caplog):
+def test_a_machine_that_cannot_render_is_reported_once(stage, monkeypatch, caplog):
     monkeypatch.setitem(sys.modules, "mujoco.egl", None)
     monkeypatch.setattr("platform.system", lambda: "Linux")
     monkeypatch.delenv("MUJOCO_GL", raising=False)
@@ -163,12 +163,12 @@ def test_where_nothing_renders_it_is_said_once_and_all_else_goes_on(stage, monke
 
 def test_cameras_have_names_and_sizes(stage):
     sizes = [(each.name, each.width, each.height) for each in map(stage.body.camera, ("CAMERA", "SMALL"))]
-    assert sizes == [("CAMERA", 320, 240), ("SMALL", 64, 48)]  # of the first the model does not say it
+    assert sizes == [("CAMERA", 320, 240), ("SMALL", 64, 48)]  # the model does not set the first one's size
     with pytest.raises(TutorialError, match=r"the body 'Eye' has no camera 'SMAL'. Did you mean 'SMALL'?"):
         stage.body.camera("SMAL")
 
 
-def test_a_displayed_body_takes_no_pictures(stage):
+def test_a_displayed_body_takes_no_images(stage):
     with pytest.raises(
         TutorialError, match=r"displayed body 'Eye' takes no pictures\. Use the simulated body, io\.body"
     ):

@@ -1,4 +1,4 @@
-"""A run is kept as a page, and the page shows the run."""
+"""Saving a run as a page, and the replay on the page."""
 
 import base64
 import gzip
@@ -28,7 +28,7 @@ PATH = "/Bodies/Ball/ball"
 
 
 class Stage:
-    """A scene with a ball, a clock that the test turns, and a recorder."""
+    """A scene with a ball, a clock that the test sets, and a recorder."""
 
     def __init__(self, **options):
         self.time = 5.0
@@ -51,7 +51,7 @@ class Stage:
 
 
 def clips(made):
-    """The animation within a replay, by path: (name, times, values) of each track."""
+    """Return the animation in a replay, by path: (name, times, values) of each track."""
     (animation,) = [command for command in commands(made.scene) if command["type"] == "set_animation"]
     return {
         each["path"]: [
@@ -61,7 +61,7 @@ def clips(made):
     }
 
 
-def test_what_moves_has_poses_and_stays_where_it_is_until_it_moves():
+def test_moving_objects_have_poses_and_rest_until_they_move():
     stage = Stage()
     for time, x in ((0.1, 0.5), (2.0, 1.0), (2.03, 1.5)):
         stage.move(time, x)
@@ -72,10 +72,10 @@ def test_what_moves_has_poses_and_stays_where_it_is_until_it_moves():
     assert turns[:4] == [0, 0, 0, 1]
     assert made.times[-1] == pytest.approx(3.0)
     assert made.joints["Ball x"][-1] == 1.5
-    assert clips(Stage().stop(2.0)) == {}  # it has stood still
+    assert clips(Stage().stop(2.0)) == {}  # nothing has moved
 
 
-def test_what_comes_and_goes_is_seen_while_it_is_there():
+def test_objects_are_visible_while_they_exist():
     stage = Stage()
     stage.move(1.0, 0.5)
     stage.view.remove("Ball")
@@ -86,7 +86,7 @@ def test_what_comes_and_goes_is_seen_while_it_is_there():
     assert sights["Late"] == (".visible", [0.0, 1.0], [False, True])
 
 
-def test_what_is_no_number_is_not_in_the_page():
+def test_nan_is_not_in_the_page():
     stage = Stage()
     stage.scene.send_message({"type": "set_transform", "path": PATH, "matrix": np.full(16, np.nan)})
     stage.move(0.5, math.nan)
@@ -98,7 +98,7 @@ def test_what_is_no_number_is_not_in_the_page():
     assert "NaN" not in gzip.decompress(base64.b64decode(timeline)).decode()
 
 
-def test_what_was_stale_in_the_end_has_its_colour_in_the_replay():
+def test_a_joint_that_ends_stale_has_its_colour_in_the_replay():
     stage = Stage()
     stage.view.show_stale("Ball", ["x"])
     stage.view.flush()
@@ -127,12 +127,12 @@ def test_titles_and_names_are_text():
     ("page", "why"),
     [("nowhere/out.html", r"written to .*out.html: No such file"), ("", "cannot be written to .*: Is a directory")],
 )
-def test_a_page_that_cannot_be_written_is_an_error_before_the_run(tmp_path, page, why):
+def test_an_unwritable_page_is_an_error_before_the_run(tmp_path, page, why):
     with pytest.raises(TutorialError, match=why), recorded(Scene(), tmp_path / page, "tank", float):
         raise AssertionError("it ran")
 
 
-def test_where_the_page_is_kept_is_said(tmp_path, caplog):
+def test_the_pages_path_is_logged(tmp_path, caplog):
     page = tmp_path / "out.html"
     with caplog.at_level("INFO"), recorded(Scene(), page, "tank", float):
         pass
@@ -140,7 +140,7 @@ def test_where_the_page_is_kept_is_said(tmp_path, caplog):
 
 
 async def drive_step_1(path):
-    """Keep a run of two seconds, in which the turret is turned and raised; return where its joints were shown."""
+    """Save a run of two seconds that turns and raises the turret; return the displayed joint positions."""
     scene, shown = Scene(), []
     async with Host(Project.load(find_project("step1")), view=View(scene)) as host:
         host.controllers["TankController"].joy.put(Joy(axes=[0.0, 0.0, -0.4, 0.2]))
@@ -163,7 +163,7 @@ ANGLES = """time => {
 
 
 def angle(before, after, axis):
-    """By how much a body is turned against the one before it, about an axis [rad]; quaternions are (x, y, z, w)."""
+    """Return the rotation of a body relative to its parent about an axis [rad]; quaternions are (x, y, z, w)."""
     inverse, turn = np.empty(4), np.empty(4)
     mujoco.mju_negQuat(inverse, np.roll(before, 1))
     mujoco.mju_mulQuat(turn, inverse, np.roll(after, 1))
@@ -186,8 +186,8 @@ PLAY_TWICE = """() => {
 
 
 async def it_plays(page, duration):
-    """The button plays it from the beginning to the end, in its own time, and stops. The test turns the clock."""
-    await page.clock.pause_at(3600)  # [s]: later than it is
+    """Press play, and check that the run plays to its end at real speed. The test sets the clock."""
+    await page.clock.pause_at(3600)  # [s], later than now
     play, pause = (page.get_by_role("button", name=name, exact=True) for name in ("Play", "Pause"))
     await play.click()
     await page.clock.run_for(400)
@@ -203,7 +203,7 @@ async def it_plays(page, duration):
     await pause.click()
     assert (await page.evaluate(STATE))[0] == pytest.approx(time + 0.2, abs=0.05)
     await play.click()
-    await page.clock.fast_forward(1000 * duration)  # as if the machine had slept
+    await page.clock.fast_forward(1000 * duration)  # as if the machine had been asleep
     assert await page.evaluate(STATE) == [duration, False, "Play"]
     await play.click()
     await page.clock.run_for(200)

@@ -1,11 +1,11 @@
-"""The scene keeps what was drawn: its snapshot shows what all messages together have shown."""
+"""A scene remembers what was drawn: its snapshot equals the result of all its messages."""
 
 from itertools import count
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-import umsgpack  # what meshcat packs with
+import umsgpack  # meshcat's packer
 from hypothesis import given
 from scenes import commands, lines, sends_away
 
@@ -41,10 +41,10 @@ any_command = st.one_of(
 
 
 class Viewer:
-    """What a browser makes of the commands, as far as it matters here (meshcat's ``viewer/src/index.js``).
+    """The parts of a browser's state that matter here, after meshcat's ``viewer/src/index.js``.
 
     Attributes:
-        seen: everything that is not as it is in a node that was just made: a value by path and key.
+        seen: values that differ from those of a new node, by path and key.
     """
 
     def __init__(self, message=b""):
@@ -52,7 +52,7 @@ class Viewer:
         self.read(message)
 
     def clear(self):
-        self.seen = {(f"/{name}/<object>", "shape"): name for name in ("Grid", "Lights/SpotLight")}  # to begin with
+        self.seen = {(f"/{name}/<object>", "shape"): name for name in ("Grid", "Lights/SpotLight")}  # initially
 
     def read(self, message):
         for kind, payload in unpack_records(message):
@@ -62,7 +62,7 @@ class Viewer:
         path = command["path"]
         if command["type"] == "delete":
             self.forget(path)
-        elif command["type"] == "set_object":  # a new object comes as it was made, without children
+        elif command["type"] == "set_object":  # a new object has its initial values and no children
             self.forget(f"{path}/<object>")
             self.seen[f"{path}/<object>", "shape"] = command["object"]["shape"]
         elif command["type"] == "set_transform":
@@ -81,12 +81,12 @@ class Viewer:
 
 
 @given(st.lists(st.tuples(st.sampled_from(Record), st.binary(max_size=40))))
-def test_a_message_comes_apart_as_it_was_put_together(records):
+def test_a_message_splits_into_its_records(records):
     assert unpack_records(b"".join(pack_record(*record) for record in records)) == records
 
 
 @given(st.lists(st.lists(any_command, max_size=6), max_size=6))
-def test_the_snapshot_shows_what_all_messages_have_shown(frames):
+def test_the_snapshot_equals_all_messages(frames):
     scene, frame_by_frame, one_by_one = Scene(), Viewer(), Viewer()
     scene.attach(frame_by_frame.read)
     for frame in frames:
@@ -98,7 +98,7 @@ def test_the_snapshot_shows_what_all_messages_have_shown(frames):
 
 
 @given(st.lists(any_command, max_size=8), st.lists(any_command, max_size=8))
-def test_whoever_comes_in_the_middle_of_a_frame_sees_the_same(before, after):
+def test_a_viewer_that_joins_during_a_frame_sees_the_same(before, after):
     scene, first = Scene(), Viewer()
     scene.attach(first.read)
     for command in before:
@@ -111,7 +111,7 @@ def test_whoever_comes_in_the_middle_of_a_frame_sees_the_same(before, after):
     assert late.seen == first.seen
 
 
-def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
+def test_a_frame_is_one_message_with_the_last_transform_of_each_path():
     scene, messages = Scene(), []
     scene.attach(messages.append)
     for number in range(3):
@@ -124,7 +124,7 @@ def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
 
 
 @pytest.mark.parametrize("attached", [False, True])
-def test_what_it_holds_does_not_grow(attached):
+def test_memory_does_not_grow(attached):
     scene, passing = Scene(), count()
     if attached:
         scene.attach(lambda message: None)
@@ -144,7 +144,7 @@ def test_what_it_holds_does_not_grow(attached):
     assert a_while() == a_while()
 
 
-def test_a_command_is_packed_as_meshcat_packs_it():
+def test_a_command_is_packed_like_meshcats():
     points = np.arange(12, dtype=np.float32).reshape(4, 3)
     command = {"type": "set_object", "object": [-1, 2**40, 0.1, None, True, "é" * 300, [0] * 16, {"a": {}}]}
     row = umsgpack.Ext(0x17, points.tobytes())  # a Float32Array: ``threejs_type`` in meshcat's geometry.py
@@ -153,7 +153,7 @@ def test_a_command_is_packed_as_meshcat_packs_it():
     np.testing.assert_array_equal(unpack_command(pack_command({"array": points}))["array"], points.reshape(-1))
 
 
-def test_the_line_and_the_rows_below_it_are_short_lines_of_text():
+def test_the_lines_below_the_view_are_short_text():
     scene = Scene()
     for text, table, expected in (
         ("<b>joint</b>\n x\ud800", [], "<b>joint</b> x?"),
@@ -165,7 +165,7 @@ def test_the_line_and_the_rows_below_it_are_short_lines_of_text():
         assert lines(scene.snapshot()) == [expected]
 
 
-def test_each_that_is_attached_gets_each_message_once_also_when_another_fails(caplog):
+def test_every_attached_function_gets_each_message_once_even_if_one_fails(caplog):
     scene, messages = Scene(), []
     sink = messages.append
 
@@ -186,7 +186,7 @@ def test_each_that_is_attached_gets_each_message_once_also_when_another_fails(ca
     assert len(messages) == 2
 
 
-def test_another_thread_is_sent_away():
+def test_another_thread_is_refused():
     calls = {
         "send_message": [delete("/a")],
         "line": ["text"],

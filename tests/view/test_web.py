@@ -1,4 +1,4 @@
-"""The page that shows a scene: served on this machine only, and what a browser makes of it."""
+"""The page that shows a scene: its server, for this machine only, and its display in a browser."""
 
 import asyncio
 import socket
@@ -19,7 +19,7 @@ from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.view.web import SceneServer
 
 UPGRADE = " | Upgrade: websocket | Connection: Upgrade | Sec-WebSocket-Key: a | Sec-WebSocket-Version: 13"
-"""What a request for ``/socket`` has besides."""
+"""The additional headers of a request for ``/socket``."""
 
 
 def port_of(server):
@@ -27,12 +27,12 @@ def port_of(server):
 
 
 async def look(server):
-    """Look at a scene as a page does."""
+    """Connect to a scene like a page."""
     return await websocket_connect(server.url.replace("http", "ws") + "socket")
 
 
 async def ask(port, text):
-    """Send a request: lines parted by bars, HERE for the server's host. Return the first line of the answer."""
+    """Send a request, with | between lines and HERE for the server's host; return the first line of the answer."""
     first, *lines = text.replace("HERE", f"127.0.0.1:{port}").split(" | ")
     reader, writer = await asyncio.open_connection("127.0.0.1", port)
     writer.write("\r\n".join([f"{first} HTTP/1.1", *lines, "", ""]).encode("latin1"))
@@ -42,7 +42,7 @@ async def ask(port, text):
 
 
 @in_a_loop
-async def test_a_page_gets_the_whole_scene_first_and_then_each_frame_until_it_goes():
+async def test_a_page_gets_the_whole_scene_and_then_each_frame():
     scene = Scene()
     scene.line("before")
     async with SceneServer(scene, 0) as server:
@@ -50,7 +50,7 @@ async def test_a_page_gets_the_whole_scene_first_and_then_each_frame_until_it_go
         whole = await page.read_message()
         assert unpack_records(whole)[0] == (Record.CLEAR, b"")
         assert lines(whole) == ["before"]
-        for number in range(50):  # in one turn of the loop: a cell that flushes as it computes shows all of it
+        for number in range(50):  # in one iteration of the loop, as in a cell that draws while it computes
             scene.line(str(number))
             scene.flush()
         assert [lines(await page.read_message()) for _ in range(50)] == [[str(n)] for n in range(50)]
@@ -64,7 +64,7 @@ async def test_a_page_gets_the_whole_scene_first_and_then_each_frame_until_it_go
 
 
 @in_a_loop
-async def test_a_page_that_is_stuck_makes_nothing_grow_catches_up_and_does_not_hold_up_closing():
+async def test_a_stuck_page_costs_no_memory_catches_up_and_does_not_block_close():
     scene, size, frames, threads = Scene(), 100_000, 500, threading.active_count()
 
     async def draw():
@@ -75,11 +75,11 @@ async def test_a_page_that_is_stuck_makes_nothing_grow_catches_up_and_does_not_h
             await asyncio.sleep(0)
 
     async with SceneServer(scene, 0) as server:
-        assert threading.active_count() <= threads  # the server needs none
-        page = await look(server)  # it takes nothing in before it is asked to
+        assert threading.active_count() <= threads  # the server has no threads
+        page = await look(server)  # it reads nothing until the test asks it to
         await draw()
         received, message = 0, b""
-        while lines(message) != [str(frames - 1)]:  # the last that it gets is the whole scene as it is by then
+        while lines(message) != [str(frames - 1)]:  # the last message is the whole scene
             message = await page.read_message()
             received += len(message)
         assert unpack_records(message)[0] == (Record.CLEAR, b"")
@@ -89,12 +89,12 @@ async def test_a_page_that_is_stuck_makes_nothing_grow_catches_up_and_does_not_h
         assert unpack_records(await page.read_message()) == [(Record.LINE, b"again frame by frame")]
         await draw()
     while await page.read_message() is not None:
-        pass  # what was on its way
+        pass  # messages on the way
     page.close()
 
 
 @in_a_loop
-async def test_without_a_port_each_takes_the_first_that_is_free_on_this_machine_only():
+async def test_without_a_port_it_takes_the_first_free_one_on_this_machine():
     async with SceneServer(Scene()) as first, SceneServer(Scene()) as second:
         assert 7000 <= port_of(first) != port_of(second) >= 7000
         assert first.url == f"http://127.0.0.1:{port_of(first)}/"
@@ -102,7 +102,7 @@ async def test_without_a_port_each_takes_the_first_that_is_free_on_this_machine_
             socket.create_connection(("127.0.0.2", port_of(first)))
 
 
-def test_a_port_that_cannot_be_had_is_named_with_the_mend(monkeypatch):
+def test_an_unavailable_port_is_reported_with_the_fix(monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as other:
         taken = other.getsockname()[1]
         monkeypatch.setattr(web, "PORTS", range(taken, taken + 1))
@@ -112,7 +112,7 @@ def test_a_port_that_cannot_be_had_is_named_with_the_mend(monkeypatch):
 
 
 @in_a_loop
-async def test_the_end_frees_the_port_at_once_and_is_told_to_the_pages():
+async def test_closing_frees_the_port_and_tells_the_pages():
     scene = Scene()
     async with SceneServer(scene, 0) as server:
         page = await look(server)
@@ -142,13 +142,13 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "status"), REFUSED)
 @in_a_loop
-async def test_a_page_from_elsewhere_is_refused_and_so_is_a_large_body(text, status):
+async def test_foreign_pages_and_large_bodies_are_refused(text, status):
     async with SceneServer(Scene(), 0) as server:
         assert (await ask(port_of(server), text)).split()[1] == str(status)
 
 
 @in_a_loop
-async def test_its_own_page_may_look_also_through_a_forwarded_port():
+async def test_its_own_page_is_accepted_also_through_a_forwarded_port():
     async with SceneServer(Scene(), 0) as server:
         port = port_of(server)
         for host in (f"127.0.0.1:{port}", "localhost:8000"):
@@ -158,7 +158,7 @@ async def test_its_own_page_may_look_also_through_a_forwarded_port():
 
 
 async def is_seen(box, page):
-    """Wait until a red box is in the picture where it is."""
+    """Wait until the picture shows a red box where it is."""
     await red_is_at(page, "#pane", *box.place)
 
 
@@ -181,7 +181,7 @@ LAMP_IS_LIT = "viewer.scene_tree.find(['Lights', 'Lamp', '<object>']).object.isL
 
 
 def furnish_oddly(scene):
-    """Change everything that a viewer has to begin with, and add to it."""
+    """Change everything that a viewer starts with, and add to it."""
     lamp = {"metadata": {"version": 4.5, "type": "Object"}, "object": {"type": "PointLight", "color": 255, "uuid": "l"}}
     for path, key, value in (
         ("/Grid", "scale", [3, 3, 3]),
@@ -198,7 +198,7 @@ def furnish_oddly(scene):
 @pytest.mark.browser
 @pytest.mark.timeout(300)
 @in_a_loop
-async def test_a_browser_shows_the_scene_as_it_is_also_when_the_connection_or_the_program_has_been_away():
+async def test_a_browser_shows_the_scene_again_after_a_lost_connection_or_a_restart():
     async with open_browser(chromium()) as page:
         witness, box, line = Witness(page), RedBox(), page.locator("#line")
         async with SceneServer(box.scene, 0, SCRIPT) as server:
@@ -206,7 +206,7 @@ async def test_a_browser_shows_the_scene_as_it_is_also_when_the_connection_or_th
             assert "default-src 'self'" in response.headers["content-security-policy"]
             assert await page.title() == SCRIPT
             await is_seen(box, page)
-            for place in [(0.8, 0), (0, 0.7), (-0.8, -0.5)]:  # to the right, up, to the left and down
+            for place in [(0.8, 0), (0, 0.7), (-0.8, -0.5)]:  # right, up, left and down
                 box.move(*place)
                 await is_seen(box, page)
             box.say("<b>5 %</b>", [("", "x"), ("<i>box</i>", "1.00\n\t")])
@@ -215,14 +215,14 @@ async def test_a_browser_shows_the_scene_as_it_is_also_when_the_connection_or_th
             assert await cells.all_text_contents() == ["", "x", "<i>box</i>", "1.00"]
             box.say(SCRIPT)
             await line.get_by_role("table").wait_for(state="detached")
-            await is_seen(box, page)  # also in what the line has left of the window
+            await is_seen(box, page)  # also in the part of the window above the line
             await page.reload()
             await is_seen(box, page)
             assert await line.text_content() == SCRIPT
             for x in (0.3, 0.6, 0.9):
                 for browser in tuple(server._browsers):
                     browser._stream.close()
-                box.move(x, 0)  # nobody looks
+                box.move(x, 0)  # without a page
                 await is_seen(box, page)
             box.view.add(SCRIPT.replace("/", "_"), box.model)
             furnish_oddly(box.scene)
@@ -250,7 +250,7 @@ WHERE = "viewer.camera.position.toArray()"
 @pytest.mark.browser
 @pytest.mark.timeout(300)
 @in_a_loop
-async def test_a_view_turned_by_hand_keeps_what_it_looks_at_in_the_middle_and_stays_so_after_a_restart():
+async def test_a_turned_view_keeps_its_target_in_the_middle_and_survives_a_restart():
     async with open_browser(chromium()) as page:
         box = RedBox()
         async with SceneServer(box.scene, 0) as server:
@@ -300,7 +300,7 @@ LATER = """(frames) => new Promise((done) => {
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("like_a_card", [True, False])
 @in_a_loop
-async def test_without_a_card_it_draws_less_and_never_when_nothing_has_changed(like_a_card):
+async def test_without_a_graphics_card_it_draws_less_and_only_changes(like_a_card):
     async with open_browser(chromium(), scale=0.5) as page:
         if like_a_card:
             await page.add_init_script(LIKE_A_CARD)

@@ -1,4 +1,4 @@
-"""Widgets without a notebook: what they send is taken down, and pages are played."""
+"""Widgets without a notebook: record their messages, and act as their pages."""
 
 import anywidget
 import pytest
@@ -6,7 +6,7 @@ import pytest
 
 @pytest.fixture
 def sent(monkeypatch):
-    """What the widgets send to their pages: (content, buffers), in order."""
+    """The widgets' messages to their pages, in order: (content, buffers)."""
     messages = []
     monkeypatch.setattr(anywidget.AnyWidget, "send", lambda self, *message: messages.append(message))
     return messages

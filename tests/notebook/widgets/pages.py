@@ -1,4 +1,4 @@
-"""Pages that are played: what they say arrives as ipykernel delivers it."""
+"""Act as a widget's page: deliver messages as ipykernel does."""
 
 import asyncio
 import threading
@@ -7,24 +7,24 @@ from xml.etree import ElementTree
 
 
 def on_a_subshell(call: Callable[..., object], *arguments: object) -> None:
-    """Call something on a thread without an event loop, and wait until it is done."""
+    """Call a function on a thread without an event loop, and wait until it is done."""
     thread = threading.Thread(target=call, args=arguments, name="subshell-1")
     thread.start()
     thread.join()
 
 
 async def settle() -> None:
-    """Let what has been posted run."""
+    """Let the posted calls run."""
     for _ in range(3):
         await asyncio.sleep(0)
 
 
 async def say(widget, kind, view="page", **fields) -> None:
-    """Say something to a widget, as a page does."""
+    """Send a message to a widget, as a page does."""
     on_a_subshell(widget._handle_custom_msg, {"type": kind, "view": view, **fields}, [])
     await settle()
 
 
 def parsed(svg: str) -> ElementTree.Element:
-    """The elements of a picture, by their names without a namespace."""
+    """Parse a picture, with element names without namespaces."""
     return ElementTree.fromstring(svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1))

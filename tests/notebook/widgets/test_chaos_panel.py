@@ -1,4 +1,4 @@
-"""The panel of faults: what its sliders do to what is published, from whatever thread they are moved."""
+"""The panel of faults: its sliders change the published messages, on any thread."""
 
 import math
 import threading
@@ -17,7 +17,7 @@ def move(slider, value):
     on_a_subshell(slider.set_trait, "value", value)
 
 
-async def test_a_slider_puts_a_fault_into_the_stream_and_the_button_takes_all_away(domain):
+async def test_a_slider_adds_a_fault_and_the_button_removes_all(domain):
     heard = []
     with NodeThread("listener") as thread:
         thread.node.create_subscription(JointState, "/Tank/joint_state", heard.append, 10)
@@ -35,7 +35,7 @@ async def test_a_slider_puts_a_fault_into_the_stream_and_the_button_takes_all_aw
         panel.end()
 
 
-async def test_ended_it_publishes_no_more_and_leaves_no_thread(domain):
+async def test_ended_it_stops_publishing_and_leaves_no_thread(domain):
     threads = threading.active_count()
     panel = ChaosPanel()
     move(panel.sliders["second"], 1.0)

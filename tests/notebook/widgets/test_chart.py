@@ -1,4 +1,4 @@
-"""What plots have in common: their ticks, and curves of few points."""
+"""Common parts of plots: ticks, and thinned curves."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""The protocol of frames: what is sent to which view, and when it stops."""
+"""The protocol of frames: what each view receives, and until when."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from .pages import say
 
 
 class Numbers(FrameWidget):
-    """Shows a number."""
+    """Shows one number after another."""
 
     AHEAD = 3
     _esm = "export default {}"
@@ -25,13 +25,13 @@ class Numbers(FrameWidget):
 
 
 def taken(sent):
-    """What was sent since this was last asked: (type, number of the frame, what it shows)."""
+    """Return and clear the sent messages: (type, number of the frame, the shown number)."""
     messages = [(content["type"], content["frame"], buffers[0][0]) for content, buffers in sent]
     sent.clear()
     return messages
 
 
-async def test_a_view_is_sent_the_whole_and_then_each_frame_until_it_says_goodbye(sent):
+async def test_a_view_gets_the_whole_and_then_each_frame_until_its_bye(sent):
     widget = Numbers("numbers")
     assert repr(widget) == "Numbers('numbers')"
     widget.show(1)
@@ -46,7 +46,7 @@ async def test_a_view_is_sent_the_whole_and_then_each_frame_until_it_says_goodby
     assert len(sent) == 1
 
 
-async def test_nothing_is_sent_to_a_view_that_does_not_answer_and_it_catches_up_with_the_whole(sent):
+async def test_a_silent_view_gets_nothing_and_catches_up_with_the_whole(sent):
     widget = Numbers("numbers")
     await say(widget, "hello")
     widget.show(*range(1, 10))
@@ -59,7 +59,7 @@ async def test_nothing_is_sent_to_a_view_that_does_not_answer_and_it_catches_up_
     assert taken(sent) == [("frame", 3, 10)]
 
 
-async def test_who_keeps_up_is_sent_everything_whoever_else_is_asleep(sent):
+async def test_a_sleeping_view_does_not_slow_down_another(sent):
     widget = Numbers("numbers")
     for view in ("awake", "asleep"):
         await say(widget, "hello", view)
@@ -71,7 +71,7 @@ async def test_who_keeps_up_is_sent_everything_whoever_else_is_asleep(sent):
     assert len(widget._seen) == 1
 
 
-async def test_what_makes_no_sense_is_ignored(sent):
+async def test_senseless_messages_are_ignored(sent):
     widget = Numbers("numbers")
     for content in (None, "hello", {}, {"type": "hello"}, {"type": "hello", "view": 3}, {"type": "what", "view": "x"}):
         widget._handle_custom_msg(content, [])
@@ -79,6 +79,6 @@ async def test_what_makes_no_sense_is_ignored(sent):
     assert (sent, len(widget._seen)) == ([], 0)
 
 
-def test_without_an_event_loop_it_says_where_to_make_it():
+def test_without_an_event_loop_it_is_refused():
     with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell"):
         Numbers("numbers")

@@ -1,4 +1,4 @@
-"""The pictures of a topic in a cell: what is sent, and what is no picture."""
+"""The images of a topic in a cell."""
 
 import threading
 from array import array
@@ -32,16 +32,16 @@ async def comes(widget, *messages):
 
 
 def shown(sent):
-    """The first byte of each picture that was sent; None for a line without one."""
+    """Return the first byte of each sent image; None for a line without one."""
     return [buffers[0][0] if buffers[0] else None for _, buffers in sent]
 
 
 def requested(node):
-    """What each subscription asks for."""
+    """Return the reliability that each subscription asks for."""
     return [info.qos_profile.reliability for info in node.get_subscriptions_info_by_topic(TOPIC)]
 
 
-async def test_a_picture_that_is_published_comes_to_the_page(sent):
+async def test_a_published_image_reaches_the_page(sent):
     widget = image_view(TOPIC)
     await say(widget, "hello")
     assert sent.pop()[0]["line"] == f"nothing has come on {TOPIC} yet"
@@ -57,7 +57,7 @@ async def test_a_picture_that_is_published_comes_to_the_page(sent):
     await until(lambda: requested(camera) == [ReliabilityPolicy.BEST_EFFORT])
 
 
-async def test_who_is_slow_misses_pictures_and_what_is_no_picture_is_said(sent):
+async def test_a_slow_view_skips_images_and_unknown_encodings_are_reported(sent):
     widget, odd = image_view(TOPIC), picture()
     odd.encoding = "16UC1\x1b[2J"
     await comes(widget, picture(1))
@@ -69,7 +69,7 @@ async def test_who_is_slow_misses_pictures_and_what_is_no_picture_is_said(sent):
     assert sent[1][0]["line"] == "the encoding '16UC1\\\\x1b[2J' is not shown here, only rgb8, bgr8, mono8"
 
 
-async def test_a_topic_that_cannot_be_leaves_no_thread(sent):
+async def test_an_invalid_topic_leaves_no_thread(sent):
     threads = threading.active_count()
     with pytest.raises(Exception, match="Invalid topic name"):
         ImageView("no topic")
@@ -96,7 +96,7 @@ def test_rows_may_be_longer_than_their_pixels():
         ({"encoding": ""}, "the encoding '' is not shown here, only rgb8, bgr8, mono8"),
     ],
 )
-def test_an_image_that_contradicts_itself_is_none(change, text):
+def test_a_contradictory_image_is_refused(change, text):
     message = picture()
     for name, value in change.items():
         setattr(message, name, value)

@@ -1,4 +1,4 @@
-"""The widgets as a learner has them: in a JupyterLab, in a browser, with a kernel of their own."""
+"""The widgets in a real JupyterLab, in a browser, with a kernel."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def lab(tmp_path_factory):
 
 @pytest.fixture
 def desk(lab):
-    """A JupyterLab and a page, which says nothing that it should not, and shows nothing more in the end."""
+    """A JupyterLab and a page, which must not complain, and shows no notebook in the end."""
     lab.witness.complaints.clear()
     yield lab
     assert lab.witness.complaints == []
@@ -56,13 +56,13 @@ STRANGE_GAMEPAD = """() => {
 
 
 class Hands:
-    """What a learner's hands do on the page, and what comes of it on ``joy``."""
+    """A learner's hands on the page, and their effect on ``joy``."""
 
     def __init__(self, page, heard):
         self.page, self.heard = page, heard
 
     async def drag(self, pad, x, y):
-        """Press in the middle of a pad, and go so far to the right and down, in halves of the pad."""
+        """Press in the middle of a pad, and drag by x and y, to the right and down, in halves of the pad."""
         left, top = await self.point(pad, 0, 0)
         await self.page.mouse.move(left, top)
         await self.page.mouse.down()
@@ -73,7 +73,7 @@ class Hands:
         return box["x"] + box["width"] / 2 * (1 + x), box["y"] + box["height"] / 2 * (1 + y)
 
     async def cause(self, *axes):
-        """Wait until these are the axes of the first two sticks; return the message that says so."""
+        """Wait until the first two sticks have these axes; return that message."""
 
         async def is_so():
             return self.heard and list(self.heard[-1].axes[:4]) == pytest.approx(axes, abs=0.02)
@@ -87,7 +87,7 @@ async def use_the_mouse(hands):
     await hands.cause(0, 1, 0, 0)
     await hands.page.mouse.move(*await hands.point(0, 0.28, 0))
     await hands.cause(-0.5, 0, 0, 0)
-    await hands.page.mouse.move(*await hands.point(0, 3, 4))  # beyond the pad: the pointer is captured
+    await hands.page.mouse.move(*await hands.point(0, 3, 4))  # beyond the pad: it captures the pointer
     await hands.cause(-0.6, -0.8, 0, 0)
     await hands.page.mouse.up()
     await hands.cause(0, 0, 0, 0)
@@ -157,7 +157,7 @@ def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(desk):
         await use_the_keys(hands, notebook)
         await drive_a_busy_kernel(hands, notebook)
         await use_gamepads(hands)
-        await notebook.reload()  # with the gamepad held
+        await notebook.reload()  # while the gamepad's stick is held
         await hands.cause(0, 0, 0, 0)
         await hands.drag(0, 0, -1)
         await hands.cause(0, 1, 0, 0)
@@ -219,7 +219,7 @@ async def look_twice_and_move(page, notebook):
     await red_is_at(page, pane(0), 0, 0)
     assert await page.locator(".tank-view-line").text_content() == "<b>first</b>"
     await notebook.run_new("box.move(0.8, 0)")
-    await notebook.run(2)  # opened late, and as the second view
+    await notebook.run(2)  # as the second view, opened late
     for x, z in [(0.8, 0), (-0.8, 0.5)]:
         await notebook.run_new(f"box.move({x}, {z})")
         for number in (0, 1):
@@ -229,7 +229,7 @@ async def look_twice_and_move(page, notebook):
 
 
 async def turn_by_keys(page, notebook):
-    """Keys are the view's as long as it has the focus; so is the wheel."""
+    """While it has the focus, the view gets the keys and the wheel."""
     view = page.locator(pane(0))
     await view.scroll_into_view_if_needed()
     await view.hover()
@@ -249,7 +249,7 @@ async def turn_by_keys(page, notebook):
         before = after
     await page.keyboard.press("+")
     assert sum(x * x for x in await view.evaluate(WHERE_IS_THE_CAMERA)) < 0.9 * sum(x * x for x in before)
-    for key in "ddxx":  # in command mode these delete the cell
+    for key in "ddxx":  # in command mode these would delete the cell
         await page.keyboard.press(key)
     assert await notebook.count() == 4
     await page.keyboard.press("Escape")
@@ -257,9 +257,9 @@ async def turn_by_keys(page, notebook):
 
 
 async def lose_the_connection(page, notebook, complaints):
-    """The scene is shown once more whenever the connection is back, also when the kernel is busy meanwhile.
+    """The page shows the scene again whenever the connection is back, even if the kernel is busy meanwhile.
 
-    A cell that gives the loop no turn is seen all along, longer than a page may fall behind.
+    It also follows a cell that never lets the loop run, even longer than a page may fall behind.
     """
     for x in (0.2, 0.4):
         await notebook.run_new(f"box.move({x}, 0)")
@@ -285,7 +285,7 @@ async def is_near_the_end(page):
 
 
 async def close_one(page, notebook):
-    """A view that is taken off the page gives back its graphics, and says so to the kernel."""
+    """A view that is removed from the page frees its graphics context, and tells the kernel."""
     await page.evaluate("(pane) => { window.oldContext = pane.viewer.renderer.getContext(); }",
                         await page.locator(pane(1)).element_handle())  # fmt: skip
     await notebook.clear(2)
@@ -310,7 +310,7 @@ async def show_it_without_webgl(page, notebook):
     await page.get_by_text("This browser shows no 3D graphics.").wait_for()
 
 
-def test_a_notebook_shows_the_scene_opened_late_twice_reloaded_and_says_when_it_ends(desk):
+def test_a_notebook_shows_the_scene_late_twice_and_reloaded_until_it_ends(desk):
     async def main():
         page, complaints = desk.page, desk.witness.complaints
         notebook = await desk.lab.open(page, desk.lab.write("box.ipynb", [BOX, SHOW, "shown", BUSY]))

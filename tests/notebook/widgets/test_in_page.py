@@ -1,4 +1,4 @@
-"""Widgets in a page: what gets into it, and what doesn't. Names that are markup are text there, and run nothing."""
+"""Widgets in a page. Names that contain markup are shown as text, and run no script."""
 
 import base64
 from html import escape
@@ -47,7 +47,7 @@ SHOW = """async ({script, traits, scene, library, frame, pixels}) => {
   const el = document.body.appendChild(document.createElement("div"));
   Object.assign(window, {model, handlers, close_view: module.default.render({model, el})});
 }"""
-"""Render a widget beside those that are there; to a view, be the kernel."""
+"""Render a widget beside those that exist; to a view, act as the kernel."""
 
 HOSTILE = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9"
 onload="bad()"><script>bad()</script><a href="javascript:bad()"><text>link</text></a><image href="http://x.invalid/p.png"/>
@@ -68,7 +68,7 @@ async def show_picture(page, svg: str, alt: str):
     await page.evaluate(SHOW, {"script": Picture._esm, "traits": {"svg": svg, "alt": alt}})
 
 
-async def test_a_picture_is_drawn_described_redrawn_themed_and_made_of_shapes():
+async def test_a_picture_is_drawn_described_redrawn_and_themed():
     async with open_browser(chromium()) as page:
         await page.evaluate("() => { window.bad = () => { window.harmed = true; }; }")
         await show_picture(page, a_picture(), "a rectangle")
@@ -98,12 +98,12 @@ async def test_a_picture_is_drawn_described_redrawn_themed_and_made_of_shapes():
 
 
 async def colours(page) -> list[str]:
-    """Of the picture's paper, and of its ink."""
+    """Return the colours of the picture's paper and ink."""
     style = "getComputedStyle(document.querySelector('{}')).{}"
     return [await page.evaluate(style.format(*each)) for each in (("svg", "backgroundColor"), ("rect", "fill"))]
 
 
-async def test_the_picture_of_a_camera_is_drawn_and_its_end_is_said(domain, sent):
+async def test_camera_images_are_drawn_until_the_end_is_shown(domain, sent):
     view = keep("pictures", ImageView, ImageView.close)
     rows = np.zeros((40, 60, 3), np.uint8)
     rows[10:20, 40:50] = 255, 0, 0
@@ -125,7 +125,7 @@ async def test_the_picture_of_a_camera_is_drawn_and_its_end_is_said(domain, sent
 
 
 def scene_of(name: str) -> Scene:
-    """A body, a link, a joint and the line of a message, all of one name."""
+    """Return a scene in which a body, a link, a joint and a message's line have the same name."""
     quoted = escape(name, quote=True)
     link = f"<body name='{quoted}'><joint name='{quoted}'/><geom size='.1'/></body>"
     scene = Scene()

@@ -27,7 +27,7 @@ def joint_state(stamp: float, /, **positions: float) -> JointState:
 
 
 def plot(*messages: JointState):
-    """The picture's root element, and its description."""
+    """Return the picture's root element, and its description."""
     samples = deque()
     for message in messages:
         _add(samples, message)
@@ -71,7 +71,7 @@ def test_only_the_last_seconds_are_shown():
         pytest.param([(0.0, {"A": 1.0}), (0.1, {"B": 1.0}), (0.2, {"A": 1.0, "B": 2.0})], [2, 2], id="come and go"),
     ],
 )
-def test_what_curves_are_made_of(samples, lengths):
+def test_curves_stop_at_gaps(samples, lengths):
     root, _ = plot(*(joint_state(stamp, **positions) for stamp, positions in samples))
     assert [len(curve) for curve in curves(root)] == lengths
 
@@ -94,7 +94,7 @@ def test_nothing_to_draw():
 @given(
     st.lists(st.tuples(st.floats(0, 1e9), st.dictionaries(st.text(max_size=9), st.floats(), max_size=5)), max_size=9)
 )
-def test_whatever_comes_is_drawn_within_the_picture(messages):
+def test_everything_is_drawn_within_the_picture(messages):
     root, _ = plot(*(joint_state(stamp, **positions) for stamp, positions in messages))
     for curve in curves(root):
         assert all(0 <= x <= WIDTH and 0 <= y <= HEIGHT for x, y in curve)

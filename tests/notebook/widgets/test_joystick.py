@@ -1,4 +1,4 @@
-"""The joystick in a cell: what it publishes, and when it lets go."""
+"""The joystick in a cell: what it publishes, and when it lets go of the sticks."""
 
 import math
 import threading
@@ -21,7 +21,7 @@ BUTTONS = [1] + [0] * 14
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that stands until its one number is changed; no page has been heard so far."""
+    """A clock that only the test moves; no page has been heard so far."""
     now = [100.0]
     monkeypatch.setattr(CellWidget, "heard_at", math.inf)
     monkeypatch.setattr(Joystick, "_clock", staticmethod(lambda: now[0]))
@@ -52,7 +52,7 @@ def is_heard(heard, axes):
     return heard[-1]
 
 
-def test_it_publishes_the_sticks_while_nobody_gives_it_a_turn(joystick, heard):
+def test_it_publishes_while_the_loop_is_blocked(joystick, heard):
     assert repr(joystick) == "Joystick()"
     assert list(is_heard(heard, NEUTRAL).buttons) == [0] * 15
     assert [timer.timer_period_ns for timer in joystick._node.timers] == [20_000_000]
@@ -63,19 +63,19 @@ def test_it_publishes_the_sticks_while_nobody_gives_it_a_turn(joystick, heard):
     assert message.header.stamp.sec > 0
 
 
-def test_when_the_page_falls_silent_the_sticks_are_let_go(joystick, clock):
+def test_it_lets_go_when_the_page_falls_silent(joystick, clock):
     say(joystick)
     clock[0] += 0.9 * PATIENCE
     assert joystick.axes == tuple(HELD)
-    say(joystick)  # the page repeats what is held
+    say(joystick)  # the page repeats held sticks
     clock[0] += 0.9 * PATIENCE
     assert joystick.axes == tuple(HELD)
     clock[0] += 0.2 * PATIENCE
     assert joystick.axes == NEUTRAL
 
 
-def test_a_page_that_is_gone_is_a_joystick_that_is_unplugged(joystick, monkeypatch):
-    joystick._ros.close()  # this thread ticks now
+def test_a_closed_page_unplugs_the_joystick(joystick, monkeypatch):
+    joystick._ros.close()  # this thread takes over the ticks
     joystick._timer = SimpleNamespace()
     published = []
     monkeypatch.setattr(joystick, "_publish", lambda: published.append(CellWidget.heard_at))
@@ -89,7 +89,7 @@ def test_a_page_that_is_gone_is_a_joystick_that_is_unplugged(joystick, monkeypat
     assert joystick._timer.timer_period_ns == 20_000_000
 
 
-def test_messages_that_make_no_sense_change_nothing(joystick):
+def test_senseless_messages_change_nothing(joystick):
     say(joystick, kind="hello")
     say(joystick, "all")
     joystick._handle_custom_msg("sticks", [])

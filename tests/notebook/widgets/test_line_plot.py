@@ -1,4 +1,4 @@
-"""A plot of some curves."""
+"""A plot of several curves."""
 
 import numpy as np
 import pytest
@@ -39,6 +39,6 @@ def test_a_level_curve_and_a_single_point_are_shown():
         ({"a": ([0.0], [np.nan])}, "'a' has numbers that are not finite"),
     ],
 )
-def test_what_cannot_be_plotted_is_said(curves, what):
+def test_values_that_cannot_be_plotted_are_refused(curves, what):
     with pytest.raises(TutorialError, match=what):
         line_plot(curves, "m")

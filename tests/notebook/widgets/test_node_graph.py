@@ -19,7 +19,7 @@ from .pages import parsed
 
 
 def topology(nodes: str | dict[str, int], **topics: tuple[str, str]) -> Topology:
-    """A graph in short: names separated by blanks, for each topic its publishers and its subscribers."""
+    """Build a graph from names separated by spaces: the nodes, and for each topic its publishers and subscriptions."""
     counts = nodes if isinstance(nodes, dict) else dict.fromkeys(nodes.split(), 1)
     news = {
         f"/{topic}": TopicNews("std_msgs/msg/String", 50.02, tuple(a.split()), tuple(b.split()))
@@ -39,7 +39,7 @@ def drawn(graph: Topology):
 
 
 def places(root) -> dict[str, tuple[float, float]]:
-    """Where each name is written."""
+    """Return the position of each name."""
     return {text.text: (float(text.get("x")), float(text.get("y"))) for text in root.iter("text")}
 
 
@@ -68,7 +68,7 @@ def test_the_tutorials_chain_is_one_row():
     )
 
 
-def test_names_may_be_shared_and_topics_without_publishers_or_subscribers():
+def test_shared_names_and_topics_with_one_side_only():
     root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
     assert "2 nodes of one name" in places(root)
     assert len(list(root.iter("ellipse"))) == 1
@@ -89,26 +89,26 @@ def test_rates(rate, text):
     assert text is None or text in places(drawn(graph)[0])
 
 
-def test_what_is_not_shown_is_counted():
+def test_hidden_topics_are_counted():
     root, words = drawn(Topology({"/a": 1}, {"/x": TopicNews("T", None, ("/a",), ())}, more=1999))
     assert "and 1,999 more, not shown" in places(root)
     assert words.endswith("And 1,999 more.")
 
 
-def test_a_source_is_beside_what_it_leads_to():
+def test_a_source_is_beside_its_target():
     layout = laid_out("a>b b>c z>c")
     assert layout.places["z",][0] == layout.places["b",][0]
     assert lay_out({}, []).size == (0.0, 0.0)
 
 
-def test_a_circle_has_one_arrow_back():
+def test_a_cycle_has_one_arrow_back():
     layout = laid_out("a>b b>c c>d d>a")
     ((start, end),) = [edge for edge in layout.lanes if layout.places[edge[0]][0] > layout.places[edge[1]][0]]
     x = [place[0] for place in layout.lanes[start, end]]
     assert x == sorted(x, reverse=True)
 
 
-def test_a_long_arrow_passes_the_layers_between_in_a_lane_of_its_own():
+def test_a_long_arrow_has_a_separate_lane():
     layout = laid_out("a>b b>c a>c")
     lane = layout.lanes[("a",), ("c",)]
     assert len(lane) == 2
@@ -130,7 +130,7 @@ def test_any_graph_is_laid_out_without_overlaps(numbers):
 
 
 class Crowd:
-    """What a node would say of very many nodes and topics; each topic has two nodes on it."""
+    """A fake node that sees very many nodes and topics; each topic has two nodes."""
 
     def __init__(self, topics: list[str]) -> None:
         self.topics = topics
@@ -149,7 +149,7 @@ class Crowd:
     get_subscriptions_info_by_topic = get_publishers_info_by_topic
 
 
-def test_of_very_many_it_shows_a_few_and_first_those_it_knows():
+def test_of_very_many_topics_it_shows_those_known_first():
     crowd = Crowd(["/joy", "/Tank/joint_state"])
     watch = GraphWatch(crowd)
     assert list(watch.look().topics) == ["/Tank/joint_state", "/joy"]
@@ -163,19 +163,19 @@ def test_of_very_many_it_shows_a_few_and_first_those_it_knows():
     assert graph.more == 2002 - 40 + 2002 - 40
 
 
-def test_names_of_any_length_are_bounded():
+def test_long_names_are_shortened():
     svg, words = picture(GraphWatch(Crowd([f"/{'t' * 10_000}"])).look())
     assert len(svg) + len(words) < 100_000
     assert "... and 9,746 more characters" in words
 
 
-def test_an_invalid_topic_is_asked_for_by_its_name_in_dds(domain):
+def test_an_invalid_topic_is_queried_by_its_dds_name(domain):
     crowd = Crowd(["//x"])
     assert list(GraphWatch(crowd).look().topics) == ["//x"]
     assert crowd.asked == ["rt//x", "rt//x"]
 
 
-async def test_the_graph_is_drawn_with_its_rates_and_an_ended_one_keeps_its_picture_and_no_thread(domain):
+async def test_the_graph_shows_rates_and_an_ended_one_keeps_its_picture(domain):
     threads = threading.active_count()
     graph = node_graph()
     assert repr(graph) == "NodeGraph()"
@@ -200,8 +200,8 @@ async def test_the_graph_is_drawn_with_its_rates_and_an_ended_one_keeps_its_pict
     assert threading.active_count() <= threads
 
 
-async def test_a_graph_that_cannot_be_asked_for_is_said(domain, monkeypatch):
-    """As with a real ROS 2, while another node's name is empty."""
+async def test_an_error_of_the_graph_is_shown(domain, monkeypatch):
+    """A real ROS 2 raises one while a node with an empty name exists."""
 
     def fail(_self):
         raise RuntimeError("Failed to get node names: empty node name\n")

@@ -1,4 +1,4 @@
-"""The picture in a cell: what it is made of."""
+"""The picture in a cell."""
 
 from xml.etree import ElementTree
 
@@ -8,13 +8,13 @@ from tutorial.notebook.widgets.picture import Picture
 from tutorial.notebook.widgets.svg import draw, new_picture, shorten, to_text, write
 
 
-def test_it_shows_another_picture_with_its_description():
+def test_it_shows_a_new_picture_with_its_description():
     picture = Picture("<svg></svg>", "a rectangle", "rectangle")
     assert repr(picture) == "Picture('rectangle')"
     assert (picture.svg, picture.alt) == ("<svg></svg>", "a rectangle")
     picture.show("<svg/>", "nothing")
     assert (picture.svg, picture.alt) == ("<svg/>", "nothing")
-    assert {"svg", "alt", "ended"} <= picture.get_state().keys(), "the page is told of them"
+    assert {"svg", "alt", "ended"} <= picture.get_state().keys(), "the page receives them"
     picture.close()
     picture.close()
 
@@ -29,5 +29,5 @@ def test_every_name_is_escaped():
 
 
 @pytest.mark.parametrize(("text", "short"), [("abcdef", "abcdef"), ("abcdefg", "abc…fg"), ("a" * 99, "aaa…aa")])
-def test_the_middle_of_a_long_name_is_left_out(text, short):
+def test_a_long_name_is_shortened_in_the_middle(text, short):
     assert shorten(text, 6) == short

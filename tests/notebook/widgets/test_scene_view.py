@@ -1,4 +1,4 @@
-"""The 3D view in a cell: what it shows of a scene, and until when."""
+"""The 3D view in a cell."""
 
 import gzip
 
@@ -23,13 +23,13 @@ def show(scene, text):
 
 
 def taken(sent, kind):
-    """The messages of a kind that were sent since this was last asked."""
+    """Return and clear the sent messages of a kind."""
     mine = [buffers[0] for content, buffers in sent if content["type"] == kind]
     sent.clear()
     return mine
 
 
-async def test_a_page_gets_the_whole_scene_and_then_what_changes_also_while_a_cell_is_busy_until_it_goes(scene, sent):
+async def test_a_page_gets_the_whole_scene_and_then_changes_even_during_a_busy_cell(scene, sent):
     widget = SceneView(scene)
     show(scene, "before")
     assert not scene.watched
@@ -38,7 +38,7 @@ async def test_a_page_gets_the_whole_scene_and_then_what_changes_also_while_a_ce
         [whole] = taken(sent, "whole")
         assert unpack_records(whole) == [(Record.CLEAR, b""), (Record.LINE, b"before")]
         assert scene.watched
-    for text in ("one", "two"):  # the loop has no turn meanwhile
+    for text in ("one", "two"):  # the loop does not run meanwhile
         show(scene, text)
     assert [lines(frame) for frame in taken(sent, "frame")] == [["one"], ["two"]]
     await say(widget, "bye")
@@ -46,7 +46,7 @@ async def test_a_page_gets_the_whole_scene_and_then_what_changes_also_while_a_ce
     assert not scene.watched
 
 
-async def test_the_script_is_sent_to_whoever_asks_once_a_turn(scene, sent):
+async def test_pages_that_ask_together_share_one_script(scene, sent):
     widget = SceneView(scene)
     for _ in range(3):
         widget._handle_custom_msg({"type": "library"}, [])
@@ -57,7 +57,7 @@ async def test_the_script_is_sent_to_whoever_asks_once_a_turn(scene, sent):
     assert len(script) < 300_000
 
 
-async def test_an_ended_one_shows_its_last_picture_also_to_those_who_come_later(scene, sent):
+async def test_an_ended_view_still_shows_its_last_picture(scene, sent):
     widget = SceneView(scene, "Tank & <b>")
     show(scene, "last")
     widget.end()
@@ -68,7 +68,7 @@ async def test_an_ended_one_shows_its_last_picture_also_to_those_who_come_later(
     assert len(taken(sent, "whole")) == 1
 
 
-async def test_a_closed_one_lets_the_scene_go_on_the_scenes_thread(scene, sent):
+async def test_closing_detaches_it_on_the_scenes_thread(scene, sent):
     widget = SceneView(scene)
     await say(widget, "hello")
     assert isinstance(raised_elsewhere(widget.close), WrongThreadError)

@@ -1,4 +1,4 @@
-"""The picture of the hand-off."""
+"""The picture of the hand-offs."""
 
 from types import SimpleNamespace
 
@@ -9,7 +9,7 @@ from .pages import parsed
 
 
 def message(received: float, applied: float | None = None, superseded: float | None = None) -> Handoff:
-    """A message that was received, handled and posted on the executor; times [ms]."""
+    """Return a message that was received, handled and posted on the executor's thread; times [ms]."""
 
     def moment(ms: float | None, thread: str) -> Moment | None:
         return None if ms is None else Moment(100.0 + ms / 1e3, thread)
@@ -25,7 +25,7 @@ def message(received: float, applied: float | None = None, superseded: float | N
 
 
 def drawn(*handoffs: Handoff, count: int = 8):
-    """The picture's elements, its texts, and its description."""
+    """Return the picture's elements, its texts, and its description."""
     trace = HandoffTrace()
     for handoff in handoffs:
         trace._keep(handoff)
@@ -38,7 +38,7 @@ def number_of(root, tag: str, part_of_style: str) -> int:
     return sum(part_of_style in element.get("style", "") for element in root.iter(tag))
 
 
-def test_each_thread_has_a_lane_and_each_message_a_way():
+def test_each_thread_has_a_lane_and_each_message_a_line():
     root, texts, alt = drawn(message(0, 5.1), message(20, 31.1))
     assert texts.index("executor") < texts.index("MainThread")
     assert {"received (2)", "applied after 5 ms to 11 ms (2)"} <= set(texts)
@@ -58,12 +58,12 @@ def test_superseded_calls_are_crossed_out():
     superseded = [message(20 * i, superseded=20 * (i + 1) + 0.1) for i in range(99)]
     root, texts, alt = drawn(*superseded, message(1980, 2010), count=100)
     assert "superseded by a newer one (99)" in texts
-    assert texts.count("✕") == 99 + 1, "with the one that the legend shows"
+    assert texts.count("✕") == 99 + 1, "one of them in the legend"
     assert number_of(root, "polyline", "stroke:#1e88e5") == 1
     assert ": 1 applied, 99 superseded." in alt
 
 
-def test_what_is_neither_applied_nor_posted_is_shown_too():
+def test_unapplied_and_unposted_messages_are_shown():
     handled = Handoff("/joy", received=Moment(100.05, "executor"), handled=Moment(100.051, "executor"))
     foreign = Handoff(posted=Moment(100.06, "<b>&"))
     _, texts, alt = drawn(message(0, 1), message(20), handled, foreign)
@@ -73,7 +73,7 @@ def test_what_is_neither_applied_nor_posted_is_shown_too():
     assert alt.endswith("1 applied, 1 handled, 2 waiting. They waited 0.9 ms.")
 
 
-def test_what_happened_at_once_or_not_at_all():
+def test_zero_and_missing_durations():
     assert drawn()[2] == "nothing was received or posted yet"
     assert repr(swimlane(SimpleNamespace(trace=HandoffTrace()))) == "Picture('handoffs')"
     moment = Moment(100.0, "MainThread")

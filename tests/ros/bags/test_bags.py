@@ -1,4 +1,4 @@
-"""A bag that was written is read again, by ours and by others; one that was cut off or spoilt, as far as it goes."""
+"""Bags are read as they were written, by us and by other programs; truncated or damaged ones as far as possible."""
 
 import os
 import random
@@ -43,7 +43,7 @@ CHANNELS = (
 
 
 def record(opcode, body=b"", size=None):
-    """A record of an MCAP file: https://mcap.dev/spec."""
+    """Return a record of an MCAP file: https://mcap.dev/spec."""
     return struct.pack("<BQ", opcode, len(body) if size is None else size) + body
 
 
@@ -61,7 +61,7 @@ HEADER = MAGIC + record(1, text(b"ros2") + text(b"me"))
 BOMB = zstd.compress(bytes(LARGEST_MESSAGE))
 
 
-@cache  # Fast DDS leaves whatever it likes in the padding
+@cache  # Fast DDS leaves garbage in the padding
 def payload(i: int) -> bytes:
     if i % 2:
         return serialize_message(JointState(name=["TURRET_Y"], position=[i / 10]))
@@ -73,7 +73,7 @@ def messages(count: int) -> list[tuple[str, int, bytes]]:
 
 
 def write(path, storage="mcap", killed=None, **how) -> list[tuple[str, int, bytes]]:
-    """Write a bag of 100 messages, and a copy of it as it would be left by a recording that is killed."""
+    """Write a bag of 100 messages, and a copy as a killed recording would leave it."""
     writer = BagWriter(path, storage, **how)
     for channel in CHANNELS:
         writer.add_channel(channel)
@@ -88,7 +88,7 @@ def write(path, storage="mcap", killed=None, **how) -> list[tuple[str, int, byte
 
 
 def make(path, *payloads, channels=CHANNELS[:1], storage="mcap") -> Bag:
-    """A bag with some messages on its first channel."""
+    """Write a bag with messages on its first channel."""
     writer = BagWriter(path, storage)
     for channel in channels:
         writer.add_channel(channel)
@@ -99,7 +99,7 @@ def make(path, *payloads, channels=CHANNELS[:1], storage="mcap") -> Bag:
 
 
 def read(path) -> tuple[list[tuple[str, int, bytes]], str]:
-    """The messages of a bag that is spoilt, and all that is said of it, or why there are none."""
+    """Return the messages of a damaged bag, and the report of the damage, or of why there are none."""
     try:
         bag = Bag(path)
         found = list(bag.raw_messages())
@@ -114,7 +114,7 @@ def storage(request):
     return request.param
 
 
-def test_what_was_written_is_read(tmp_path, storage):
+def test_a_bag_is_read_as_it_was_written(tmp_path, storage):
     written = write(tmp_path / "bag", storage=storage)
     bag = Bag(tmp_path / "bag")
     assert bag.topics == [
@@ -130,27 +130,27 @@ def test_what_was_written_is_read(tmp_path, storage):
     assert read(bag.files[0]) == (written, ""), "one file is a bag, too"
 
 
-def test_others_read_it(tmp_path, storage):
+def test_rosbags_reads_it(tmp_path, storage):
     written = write(tmp_path / "bag", storage=storage)
     with Reader(tmp_path / "bag") as reader:
         assert [(connection.topic, time, data) for connection, time, data in reader.messages()] == written
         said = next(connection for connection in reader.connections if connection.topic == "/said")
         assert (said.msgtype, said.digest, said.msgcount) == (STRING, "RIHS01_1", 50)
         assert said.msgdef.data == "string data\n"
-        since = START + 70 * STEP  # by the index
+        since = START + 70 * STEP  # uses the index
         found = [(time, data) for _, time, data in reader.messages([said], start=since)]
         assert found == [(time, data) for topic, time, data in written[70:] if topic == "/said"]
 
 
 def test_the_mcap_package_reads_it(tmp_path):
-    """Also when each message was sent, and that nothing in it is spoilt."""
+    """It finds when each message was sent, and no damage."""
     written = write(tmp_path / "bag")
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as file:
         found = [(message.log_time, message.publish_time) for *_, message in make_reader(file, True).iter_messages()]
     assert found == [(time, time - 1000) for _, time, _ in written]
 
 
-def test_after_the_longest_duration_another_file_begins(tmp_path, storage):
+def test_after_the_longest_duration_a_new_file_begins(tmp_path, storage):
     written = write(tmp_path / "bag", storage=storage, max_duration=0.5)
     bag = Bag(tmp_path / "bag")
     assert [file.name for file in bag.files] == [f"bag_{i}{SUFFIXES[storage]}" for i in range(4)]
@@ -174,7 +174,7 @@ def test_nothing_is_overwritten(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["bag"]
 
 
-def test_a_recording_that_was_killed_is_read_up_to_its_last_flush(tmp_path, storage):
+def test_a_killed_recording_is_read_up_to_its_last_flush(tmp_path, storage):
     written = write(tmp_path / "whole", storage, killed=tmp_path / "bag")
     bag = Bag(tmp_path / "bag")
     assert list(bag.raw_messages()) == written[:90]
@@ -182,7 +182,7 @@ def test_a_recording_that_was_killed_is_read_up_to_its_last_flush(tmp_path, stor
     assert "metadata.yaml is missing, as of a recording that was killed" in bag.damage
 
 
-def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
+def test_a_truncated_file_is_read_as_far_as_possible(tmp_path, storage):
     written = write(tmp_path / "bag", storage=storage)
     path = tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}"
     whole = path.read_bytes()
@@ -191,13 +191,13 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
         path.write_bytes(whole[:size])
         found, damage = read(tmp_path / "bag")
         assert damage
-        if "its last page is incomplete" in damage:  # for which SQLite reads zeros
+        if "its last page is incomplete" in damage:  # SQLite reads zeros there
             assert len(set(found) - set(written)) <= 2
         else:
             assert found == written[: len(found)]
         counts.append(len(found))
     assert counts == sorted(counts)
-    assert len(set(counts)) > (8 if storage == "mcap" else 1)  # SQLite writes pages, and not one after the other
+    assert len(set(counts)) > (8 if storage == "mcap" else 1)  # SQLite writes pages, and not in order
     assert counts[-1] >= 90
 
 
@@ -210,14 +210,14 @@ def test_a_compressed_chunk_is_read_whole_and_in_part(tmp_path, name, pack):
     (tmp_path / "x.mcap").write_bytes(whole)
     found, damage = read(tmp_path / "x.mcap")
     assert found == written
-    assert "compressed by 'rar'" in damage, "and behind what cannot be unpacked it goes on"
+    assert "compressed by 'rar'" in damage, "and reading goes on after that chunk"
     (tmp_path / "x.mcap").write_bytes(whole[:-20])
     found, damage = read(tmp_path / "x.mcap")
     assert found == written[: len(found)]
     assert "a chunk in it is incomplete" in damage
 
 
-def test_whatever_is_in_a_file_the_worst_is_a_clear_error(tmp_path, storage):
+def test_damaged_bytes_give_at_worst_a_clear_error(tmp_path, storage):
     write(tmp_path / "bag", storage=storage)
     path = tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}"
     whole = path.read_bytes()
@@ -249,7 +249,7 @@ def test_whatever_is_in_a_file_the_worst_is_a_clear_error(tmp_path, storage):
     ],
     ids=lambda value: "" if isinstance(value, bytes) else value,
 )
-def test_a_hostile_mcap_takes_no_memory(tmp_path, data, said):
+def test_a_hostile_mcap_file_takes_no_memory(tmp_path, data, said):
     path = tmp_path / "x.mcap"
     path.write_bytes(data)
     tracemalloc.start()
@@ -290,7 +290,7 @@ def test_a_hostile_database_is_a_clear_error(tmp_path, script, said):
     assert said in read(tmp_path / "x.db3")[1]
 
 
-def test_names_in_a_bag_are_shown_as_escapes(tmp_path):
+def test_names_in_a_bag_are_escaped(tmp_path):
     channel = Channel("/\x1b[2Jx", "a\n/b\u202e", encoding="c\td")
     bag = make(tmp_path / "bag", b"\0\1\0\0", channels=[channel])
     said = r"Topic: /\x1b[2Jx | Type: a\n/b\u202e | Count: 1 | Serialization Format: c\td"
@@ -301,7 +301,7 @@ def test_names_in_a_bag_are_shown_as_escapes(tmp_path):
         list(bag.messages(["/x"]))
 
 
-def test_a_type_that_is_not_known_matters_only_where_there_are_messages(tmp_path):
+def test_an_unknown_type_matters_only_if_it_has_messages(tmp_path):
     bag = make(tmp_path / "bag", payload(0), channels=(CHANNELS[0], Channel("/alien", "alien_msgs/msg/X")))
     assert [message.data for *_, message in bag.messages()] == ["number 0"]
 
@@ -336,15 +336,15 @@ def test_compressed_messages(tmp_path, storage, monkeypatch):
     assert "a message on /said is empty" in bag.damage
 
 
-def test_what_is_no_message_is_left_out_and_said(tmp_path):
+def test_an_invalid_message_is_left_out_and_reported(tmp_path):
     bag = make(tmp_path / "bag", b"", b"\0\1\0\0\xff\xff\xff\xff", payload(0))
     assert [message.data for *_, message in bag.messages()] == ["number 0"]
     assert "a message on /said is empty" in bag.damage
     assert "a message on /said cannot be decoded" in bag.damage
 
 
-def test_messages_come_in_the_order_of_time(tmp_path, storage):
-    """A writer with several threads writes one of them a little late, also over the edge of a chunk."""
+def test_messages_are_read_in_the_order_of_time(tmp_path, storage):
+    """A writer with several threads may write a message a little late, even in the next chunk."""
     writer = BagWriter(tmp_path / "bag", storage)
     writer.add_channel(CHANNELS[0])
     for i in (0, 1, 2, 3, 5, 4, *range(6, 20)):
@@ -367,7 +367,7 @@ SPOILT = [
 
 
 @pytest.mark.parametrize("spoilt", SPOILT, ids=lambda text: text[:10])
-def test_metadata_that_say_nothing_are_no_more_than_damage(tmp_path, spoilt):
+def test_invalid_metadata_are_damage(tmp_path, spoilt):
     written = write(tmp_path / "bag")
     (tmp_path / "bag" / "metadata.yaml").write_text(spoilt)
     found, damage = read(tmp_path / "bag")
@@ -375,7 +375,7 @@ def test_metadata_that_say_nothing_are_no_more_than_damage(tmp_path, spoilt):
     assert found == written
 
 
-def test_metadata_that_are_no_file_are_missing(tmp_path):
+def test_metadata_that_are_not_a_file_count_as_missing(tmp_path):
     written = write(tmp_path / "bag")
     (tmp_path / "bag" / "metadata.yaml").unlink()
     os.mkfifo(tmp_path / "bag" / "metadata.yaml")
@@ -389,7 +389,7 @@ def test_compressed_files(tmp_path):
     (file,) = Bag(tmp_path / "bag").files
     packed = file.with_suffix(".mcap.zstd")
     packed.write_bytes(zstd.compress(file.read_bytes()))
-    assert read(tmp_path / "bag")[0] == written, "it is unpacked beside the compressed file"
+    assert read(tmp_path / "bag")[0] == written, "the unpacked file is beside the compressed one"
     file.unlink()
     with pytest.raises(TutorialError, match=f"the files of the bag .* are compressed. .*zstd -d {packed.name} -o "):
         Bag(tmp_path / "bag")
@@ -404,7 +404,7 @@ def test_compressed_files(tmp_path):
         ("x", "'x' is not a bag: it is neither"),
     ],
 )
-def test_what_is_no_bag_is_a_clear_error(tmp_path, monkeypatch, path, said):
+def test_a_path_without_a_bag_is_a_clear_error(tmp_path, monkeypatch, path, said):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x").write_bytes(b"\0\1\2")
     (tmp_path / "empty").mkdir()
@@ -486,7 +486,7 @@ OLD = ["id, name, type", "id, name, type, serialization_format", "type, id, name
 
 
 def old(path, columns, how=""):
-    """Write an SQLite file as an older ros2 bag does."""
+    """Write an SQLite file like an older ros2 bag."""
     values = {"id": "1", "name": "'/said'", "type": f"'{STRING}'", "serialization_format": "'cdr'"}
     words = ", ".join(values.get(name, "''") for name in columns.split(", "))
     with closing(sqlite3.connect(path)) as database:
@@ -507,7 +507,7 @@ def test_old_columns(tmp_path, columns):
 
 
 def test_read_only_folder(tmp_path):
-    """SQLite cannot create its -wal file in a read-only folder. Here a folder of that name prevents it."""
+    """SQLite cannot create its -wal file in a read-only folder. Here a folder with that name has the same effect."""
     old(tmp_path / "x.db3", OLD[1], "PRAGMA journal_mode=WAL")
     (tmp_path / "x.db3-wal").mkdir()
     assert read(tmp_path / "x.db3") == ([("/said", START, payload(0))], "")
@@ -542,7 +542,7 @@ OLDER = (
         pytest.param("\n".join([OLDER] * 200), LATCHED, id="200 publishers"),
     ],
 )
-def test_the_default_is_offered_for_what_is_not_understood_or_mixed_and_older_bags_have_numbers(text, said):
+def test_unknown_or_mixed_profiles_become_the_default_and_numbers_are_read(text, said):
     found = offered(text)
     assert (found.depth, found.reliability, found.durability) == said
     assert found.deadline == Duration()

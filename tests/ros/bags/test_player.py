@@ -1,4 +1,4 @@
-"""A bag is played: the bytes, the order, the times and the quality of service of then."""
+"""Playing a bag with the recorded bytes, order, times and quality of service."""
 
 import threading
 import time
@@ -34,7 +34,7 @@ CHANNELS = (
 
 
 def make(path, count=30, step=0.01, last=None):
-    """A bag of as many messages, on /a and /b in turn; its last one may be a long time later [s]."""
+    """Write a bag of `count` messages, alternately on /a and /b; the last one may come much later [s]."""
     writer = BagWriter(path)
     for channel in CHANNELS:
         writer.add_channel(channel)
@@ -55,7 +55,7 @@ def nodes(domain):
 
 @pytest.fixture
 def heard(nodes):
-    """The payloads that arrive on /a and /b, with the time at which it did [s]."""
+    """The messages that arrive on /a and /b: topic, payload, and time of arrival [s]."""
     got: list[tuple[str, bytes, float]] = []
     for topic in ("/a", "/b"):
         hear = partial(lambda topic, payload: got.append((topic, payload, time.monotonic())), topic)
@@ -66,7 +66,7 @@ def heard(nodes):
 
 @contextmanager
 def playing(player):
-    """Play on a thread, which ends soon after it has been told to stop."""
+    """Play on a thread, which must end soon after it is told to stop."""
     stop = threading.Event()
     thread = threading.Thread(target=player.run, args=(stop,))
     thread.start()
@@ -82,7 +82,7 @@ def texts(heard, topic):
     return [deserialize_message(payload, String).data for name, payload, _ in heard if name == topic]
 
 
-def test_all_messages_are_played_in_order_at_their_times(nodes, heard, tmp_path):
+def test_all_messages_are_played_in_order_and_on_time(nodes, heard, tmp_path):
     bag = make(tmp_path / "bag", count=60)
     calls = []
     player = Player(nodes[0], bag, rate=2.0)
@@ -93,15 +93,15 @@ def test_all_messages_are_played_in_order_at_their_times(nodes, heard, tmp_path)
         payloads = [payload for name, payload, _ in heard if name == topic]
         whole = [payload[: len(then)] for payload, then in zip(payloads, recorded, strict=True)]  # DDS pads
         assert whole == recorded, "byte for byte"
-    assert player.played == 63  # with the bag's own /clock
+    assert player.played == 63  # including the bag's own /clock
     seconds = [played for _, played in calls]
     began = min(now - played / 2 for now, played in calls)
-    assert heard[-1][2] - began > 0.9 * bag.duration / 2  # how much more is the machine's affair
+    assert heard[-1][2] - began > 0.9 * bag.duration / 2  # an upper bound would depend on the machine
     assert seconds == sorted(seconds)
     assert seconds[-1] == pytest.approx(bag.duration)
 
 
-def test_what_cannot_be_played_is_said(nodes, tmp_path, caplog):
+def test_unplayable_messages_are_reported(nodes, tmp_path, caplog):
     Player(nodes[0], make(tmp_path / "bag"))
     said = [record.message for record in caplog.records if "is not played" in record.message]
     assert said == [
@@ -139,7 +139,7 @@ def test_only_some_topics_from_the_middle(nodes, heard, tmp_path):
     assert texts(heard, "/b") == ["21", "23", "25", "27", "29"]
 
 
-def test_a_loop_of_a_single_message_pauses_in_between(nodes, tmp_path):
+def test_a_loop_over_one_message_pauses_in_between(nodes, tmp_path):
     player = Player(nodes[0], make(tmp_path / "bag", count=1), topics=["/b"], loop=True)
     with playing(player):
         until(lambda: player.played, "the first round")
@@ -148,7 +148,7 @@ def test_a_loop_of_a_single_message_pauses_in_between(nodes, tmp_path):
         assert time.monotonic() - began > 9 * 0.02
 
 
-def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, heard, tmp_path):
+def test_clock_is_the_bags_time_instead_of_its_own_clock(nodes, heard, tmp_path):
     clocks = []
     best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
     nodes[1].create_subscription(Clock, "/clock", clocks.append, best_effort)
@@ -162,21 +162,21 @@ def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, he
     assert set(times) <= set(range(0, 10**9, 80_000_000))
 
 
-def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):
-    """And they are gone when it has ended, as it can be also between two messages with centuries in between."""
+def test_publishers_offer_the_recorded_quality_of_service(nodes, heard, tmp_path):
+    """They are removed at the end, even if the bag is stopped between messages that are centuries apart."""
     late = []
     with playing(Player(nodes[0], make(tmp_path / "bag", count=2, last=7e9), rate=1e-9)):
         until(lambda: texts(heard, "/b"), "the first message on /b")
         offers = {topic: nodes[0].get_publishers_info_by_topic(topic)[0].qos_profile for topic in ("/a", "/b")}
         durability = {topic: qos.durability for topic, qos in offers.items()}
         nodes[1].create_subscription(String, "/b", late.append, LATCHED)
-        until(lambda: late, "what is kept for who comes late")
+        until(lambda: late, "the messages kept for a late subscriber")
     assert durability == {"/a": DurabilityPolicy.VOLATILE, "/b": DurabilityPolicy.TRANSIENT_LOCAL}
-    until(lambda: not nodes[0].get_publishers_info_by_topic("/a"), "the end of the publisher")
+    until(lambda: not nodes[0].get_publishers_info_by_topic("/a"), "the publisher's removal")
 
 
-def test_a_payload_that_ros_2_refuses_is_left_out_and_said_once(nodes, heard, tmp_path, caplog, monkeypatch):
-    """As Fast DDS does with one that is longer than its type can be."""
+def test_a_payload_that_ros_2_rejects_is_reported_once(nodes, heard, tmp_path, caplog, monkeypatch):
+    """Fast DDS rejects one that is longer than its type allows."""
     player = Player(nodes[0], make(tmp_path / "bag"), rate=10.0)
     make_publisher = nodes[0].create_publisher
 
@@ -204,7 +204,7 @@ def test_a_payload_that_ros_2_refuses_is_left_out_and_said_once(nodes, heard, tm
     ],
     ids=str,
 )
-def test_what_makes_no_sense_is_refused_before_anything_is_played(domain, tmp_path, how, said):
+def test_senseless_options_are_refused_before_playing(domain, tmp_path, how, said):
     with NodeThread("player") as thread, pytest.raises(TutorialError) as caught:
         Player(thread.node, make(tmp_path / "bag"), **how)
     assert said in str(caught.value)

@@ -1,4 +1,4 @@
-"""What goes over topics is in the bag, byte for byte, and what is missing is said."""
+"""The recorder writes every message to the bag, byte for byte, and reports losses."""
 
 import threading
 import time
@@ -31,14 +31,14 @@ def nodes(domain):
         yield talker.node, recorder.node
 
 
-@cache  # Fast DDS leaves whatever it likes in the padding
+@cache  # Fast DDS leaves garbage in the padding
 def payloads(count=COUNT):
     joints = (JointState(name=["TURRET_Y", "TURRET_P"], position=[i / 100, 0.5]) for i in range(count))
     return [serialize_message(message) for message in joints]
 
 
 def publish(recorder, publisher, messages):
-    """Publish once both sides have met."""
+    """Publish once publisher and recorder have matched."""
     topic = publisher.topic_name
     until(lambda: publisher.get_subscription_count() and recorder.hears(topic), "the match")
     for message in messages:
@@ -55,7 +55,7 @@ def publisher(nodes):
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
-def test_not_one_message_is_missing_and_each_is_what_was_published(nodes, publisher, tmp_path, storage):
+def test_every_message_is_recorded_byte_for_byte(nodes, publisher, tmp_path, storage):
     with Recorder(nodes[1], tmp_path / "bag", storage=storage) as recorder:
         until(lambda: "/a" in recorder.counts, "the topic")
         publish(recorder, publisher, payloads())
@@ -67,7 +67,7 @@ def test_not_one_message_is_missing_and_each_is_what_was_published(nodes, publis
     assert "type_description_hash: RIHS01_a13ee3a330e346c9d8" in (recorder.path / "metadata.yaml").read_text()
 
 
-def test_what_was_sent_last_is_there_though_the_end_comes_at_once_and_whoever_spins_is_busy(nodes, publisher, tmp_path):
+def test_the_last_messages_are_recorded_although_the_executor_is_busy(nodes, publisher, tmp_path):
     nodes[1].create_subscription(String, "/busy", lambda _: time.sleep(0.3), 1)
     busy = nodes[0].create_publisher(String, "/busy", 1)
     until(busy.get_subscription_count, "the match")
@@ -79,7 +79,7 @@ def test_what_was_sent_last_is_there_though_the_end_comes_at_once_and_whoever_sp
     assert recorded(recorder.path) == payloads()
 
 
-def test_the_time_of_receipt_is_that_of_clock_if_the_node_uses_simulated_time(nodes, publisher, tmp_path):
+def test_with_simulated_time_clock_is_the_time_of_receipt(nodes, publisher, tmp_path):
     nodes[1].set_parameters([Parameter("use_sim_time", value=True)])
     clock = nodes[0].create_publisher(Clock, "/clock", 1)
     with Recorder(nodes[1], tmp_path / "bag", ["/a"]) as recorder:
@@ -93,7 +93,7 @@ def test_the_time_of_receipt_is_that_of_clock_if_the_node_uses_simulated_time(no
     assert [time_ns for _, time_ns, _ in Bag(recorder.path).raw_messages(["/a"])] == [5_000_000_000]
 
 
-def test_a_topic_that_appears_later_is_recorded_and_so_is_its_quality_of_service(nodes, tmp_path):
+def test_a_late_topic_is_recorded_with_its_quality_of_service(nodes, tmp_path):
     talker, node = nodes
     kept = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     hurried = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -113,7 +113,7 @@ def test_a_topic_that_appears_later_is_recorded_and_so_is_its_quality_of_service
     assert hidden.topic_name not in bag.channels
 
 
-def test_only_the_topics_that_are_named_are_recorded(nodes, tmp_path):
+def test_only_the_given_topics_are_recorded(nodes, tmp_path):
     talker, node = nodes
     publishers = [talker.create_publisher(String, topic, 1) for topic in ("/a", "/b", "/_hidden")]
     with Recorder(node, tmp_path / "bag", ["a", "/_hidden", "/nobody"]) as recorder:
@@ -123,14 +123,14 @@ def test_only_the_topics_that_are_named_are_recorded(nodes, tmp_path):
     assert recorder.counts == {"/a": 1, "/_hidden": 0}
 
 
-def test_a_name_that_breaks_the_rules_is_refused_before_anything_is_made(nodes, tmp_path):
+def test_an_invalid_name_is_refused_before_any_file_is_created(nodes, tmp_path):
     with pytest.raises(TutorialError, match="topic name"):
         Recorder(nodes[1], tmp_path / "bag", ["a-b"])
     assert not (tmp_path / "bag").exists()
 
 
 @pytest.mark.pocket
-def test_a_type_that_is_not_known_is_said_once(nodes, tmp_path, caplog, monkeypatch):
+def test_an_unknown_type_is_reported_once(nodes, tmp_path, caplog, monkeypatch):
     looks = Mock(return_value={"/a": ["alien_msgs/msg/\x1b[2J"], "//x": ["std_msgs/msg/String"]})
     monkeypatch.setattr(module, "topics_with_types", looks)
     monkeypatch.setattr(module, "publishers_on", Mock())
@@ -144,8 +144,8 @@ def test_a_type_that_is_not_known_is_said_once(nodes, tmp_path, caplog, monkeypa
     ]
 
 
-def test_a_full_disk_ends_the_recording_with_the_mend(nodes, publisher, tmp_path, caplog, monkeypatch):
-    """What is in the bag by then can be read."""
+def test_a_full_disk_ends_the_recording_with_advice(nodes, publisher, tmp_path, caplog, monkeypatch):
+    """The messages written so far can be read."""
     recorder = Recorder(nodes[1], tmp_path / "bag", ["/a"]).__enter__()
     publish(recorder, publisher, payloads(10))
     until(lambda: sum(topic.count for topic in Bag(recorder.path).topics) == 10, "ten messages on the disk")
@@ -154,16 +154,14 @@ def test_a_full_disk_ends_the_recording_with_the_mend(nodes, publisher, tmp_path
     publish(recorder, publisher, payloads(10))
     until(lambda: recorder.error is not None, "the error")
     publish(recorder, publisher, payloads(10))
-    until(lambda: recorder.lost >= 10, "what is lost")
+    until(lambda: recorder.lost >= 10, "the losses")
     with pytest.raises(TutorialError, match=r"No space left on device\. .*Make room, or record to another disk"):
         recorder.close()
     assert recorded(recorder.path) == payloads(10)
     assert [record.message for record in caplog.records if "cannot be written any more" in record.message]
 
 
-def test_what_waits_for_a_slow_disk_has_a_bound_and_what_is_lost_is_said(
-    nodes, publisher, tmp_path, caplog, monkeypatch
-):
+def test_the_queue_for_a_slow_disk_is_bounded_and_losses_are_reported(nodes, publisher, tmp_path, caplog, monkeypatch):
     monkeypatch.setattr(module, "MOST_WAITING", 100 * len(payloads(1)[0]))
     stuck = threading.Event()
     with Recorder(nodes[1], tmp_path / "bag", ["/a"]) as recorder:
@@ -178,7 +176,7 @@ def test_what_waits_for_a_slow_disk_has_a_bound_and_what_is_lost_is_said(
     assert any("messages are lost: the disk is too slow" in record.message for record in caplog.records)
 
 
-def test_a_recorder_whose_node_has_gone_completes_its_bag(publisher, tmp_path):
+def test_a_recorder_without_its_node_completes_its_bag(publisher, tmp_path):
     thread = NodeThread("gone")
     recorder = Recorder(thread.node, tmp_path / "bag", ["/a"]).__enter__()
     publish(recorder, publisher, payloads(1))

@@ -1,4 +1,4 @@
-"""The faults: what each does to a message, that a seed gives them again, and what a matcher makes of them."""
+"""Each fault's effect on a message, its reproducibility by seed, and a matcher's report of it."""
 
 import math
 from copy import deepcopy
@@ -32,7 +32,7 @@ def test_a_seed_gives_the_same_stream_again():
     assert first != other
 
 
-def test_which_messages_a_fault_hits_does_not_depend_on_the_others():
+def test_a_faults_hits_do_not_depend_on_other_faults():
     def nans(faults):
         chaos = Chaos(faults, seed=1)
         return [any(map(math.isnan, a.message.position)) for i in range(200) for a in chaos.apply(swing(i))]
@@ -43,7 +43,7 @@ def test_which_messages_a_fault_hits_does_not_depend_on_the_others():
 
 
 @given(st.dictionaries(st.sampled_from(list(FAULTS)), st.just(1.0)), st.integers(0, 4))
-def test_the_good_message_stays_as_it_is(faults, joints):
+def test_the_good_message_is_not_changed(faults, joints):
     good = swing(7, FIVE[:joints])
     before = deepcopy(good)
     Chaos(faults).apply(good)
@@ -56,7 +56,7 @@ HIT = {
         0 < len(hit.name) < 5 and entries(hit) == [each for each in entries(good) if each[0] in hit.name]
     ),
     "rename": lambda good, hit: len({*hit.name} - {*good.name}) == 1 and list(hit.position) == list(good.position),
-    "duplicate": lambda good, hit: (  # the last is the newest
+    "duplicate": lambda good, hit: (  # the last one is the newest
         entries(hit)[1:] == entries(good)
         and hit.name[0] in good.name
         and hit.position[0] != good.position[good.name.index(hit.name[0])]
@@ -70,11 +70,11 @@ HIT = {
     "long": lambda good, hit: len(hit.name) == 5 < len(hit.position) <= 8 and hit.position[:5] == good.position,
     "ahead": lambda good, hit: AHEAD_NS[0] <= stamp_ns(hit) - stamp_ns(good) <= AHEAD_NS[1],
 }
-"""What holds of a message that a fault has hit, and the good one."""
+"""The relation between a message that a fault has hit, and the good one."""
 
 
 @pytest.mark.parametrize("name", HIT)
-def test_what_a_fault_does_to_a_message(name):
+def test_each_faults_effect(name):
     chaos = Chaos()
     chaos.apply(swing(99, FIVE))
     chaos.faults = {name: 1}
@@ -82,10 +82,10 @@ def test_what_a_fault_does_to_a_message(name):
     ((kind, hit),) = chaos.apply(good)
     assert chaos.made == dict.fromkeys(FAULTS, 0) | {name: 1}
     assert (kind, HIT[name](good, hit)) == ("publish", True), hit
-    assert "\0" not in "".join(hit.name)  # ends a string in C: it would not arrive
+    assert "\0" not in "".join(hit.name)  # \0 ends a string in C, so the name would be cut
 
 
-def test_a_late_message_comes_after_newer_ones_as_it_was():
+def test_a_late_message_arrives_unchanged_after_newer_ones():
     chaos = Chaos({"late": 0.1})
     messages = [action.message for action in stream(chaos, 500)]
     stamps = [stamp_ns(message) for message in messages]
@@ -95,7 +95,7 @@ def test_a_late_message_comes_after_newer_ones_as_it_was():
     assert all(message == swing(round(stamp_ns(message) / stamp_ns(swing(1)))) for message in messages)
 
 
-def test_a_restarted_publishers_stamps_begin_at_zero_and_what_is_held_back_is_gone():
+def test_a_restart_resets_the_stamps_and_drops_delayed_messages():
     chaos = Chaos({"late": 0.5, "restart": 0.05})
     began = 0
     for number in range(500):
@@ -106,7 +106,7 @@ def test_a_restarted_publishers_stamps_begin_at_zero_and_what_is_held_back_is_go
                 assert 0 <= stamp_ns(action.message) <= stamp_ns(swing(number - began))
 
 
-def test_what_comes_is_nothing_a_burst_or_a_second_publishers():
+def test_drop_burst_and_second_publisher():
     assert Chaos({"drop": 1}).apply(swing(0)) == []
     burst = Chaos({"burst": 1}).apply(swing(0))
     assert burst == [Action("publish", swing(0))] * BURST
@@ -123,7 +123,7 @@ def test_what_comes_is_nothing_a_burst_or_a_second_publishers():
         (JointState(name=["A"], position=[1.0]), 1),
     ],
 )
-def test_what_has_no_position_for_each_name_stays_as_it_is(message, count):
+def test_a_message_without_all_positions_stays_unchanged(message, count):
     chaos = Chaos(dict.fromkeys(CHANGES, 1.0))
     chaos.apply(message)
     assert {chaos.made[name] for name in CHANGES} == {count}
@@ -142,7 +142,7 @@ def test_a_fault_is_written_with_its_share():
         ("nan:", "a share of nan"),
     ],
 )
-def test_what_is_no_fault_is_said(text, said):
+def test_an_invalid_fault_is_refused(text, said):
     with pytest.raises(TutorialError) as error:
         parse_fault(text)
     assert said in str(error.value)

@@ -1,4 +1,4 @@
-"""The stream, between nodes: what is published where."""
+"""The stream between nodes: what it publishes, and on which topic."""
 
 import math
 
@@ -16,7 +16,7 @@ KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
 
 @pytest.fixture
 def nodes(domain):
-    """One that publishes, and one that listens."""
+    """A publishing node and a listening one."""
     with NodeThread("chaos") as chaos, NodeThread("listener") as listener:
         yield chaos.node, listener.node
         assert chaos.error is listener.error is None
@@ -38,7 +38,7 @@ def test_it_swings_steadily_by_itself(nodes, received):
     assert positions == [list(swing(number + i).position) for i in range(10)]
 
 
-def test_the_faults_go_to_the_topic_from_where_the_good_stream_comes_elsewhere(nodes, received):
+def test_faults_go_to_the_topic_and_the_good_stream_comes_from_another(nodes, received):
     chaos, listener = nodes
     ChaosStream(chaos, Chaos({"nan": 1}), good="good")
     good = listener.create_publisher(JointState, "/good", KEEP_ALL)
@@ -58,8 +58,8 @@ def test_a_loop_is_refused(nodes):
         ChaosStream(nodes[0], Chaos(), good=TOPIC[1:])
 
 
-def test_a_second_publisher_and_a_new_start(nodes, received):
-    """On a real ROS 2, too, who is destroyed leaves nothing."""
+def test_a_second_publisher_and_a_restart(nodes, received):
+    """A destroyed publisher leaves nothing, also on a real ROS 2."""
     chaos, listener = nodes
     stream = ChaosStream(chaos, Chaos({"second": 0.5}))
     until(lambda: listener.count_publishers(TOPIC) == 2, "two publishers")

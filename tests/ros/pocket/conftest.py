@@ -1,4 +1,4 @@
-"""Fixtures: a context and a node for each test, in a domain of its own, and a helper to spin until."""
+"""Fixtures: a context and a node in a new domain for each test, and a helper that spins until a condition holds."""
 
 import subprocess
 import sys
@@ -11,12 +11,12 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 PATIENCE = 30.0
-"""How long a condition may take to come true [s]: long, for both cores may be busy. Only a failing test waits so."""
+"""How long a condition may take to come true [s]. Both cores may be busy, and only a failing test waits so long."""
 
 
 @pytest.fixture
 def context(domain: int) -> Iterator[Context]:
-    """A running context, not the default one."""
+    """A running context other than the default one."""
     context = Context()
     context.init(args=[])
     yield context
@@ -33,7 +33,7 @@ def node(context: Context) -> Iterator[Node]:
 
 @pytest.fixture
 def executor(context: Context, node: Node) -> Iterator[SingleThreadedExecutor]:
-    """An executor that runs the node's callbacks when the test spins it."""
+    """An executor for the node; the test spins it."""
     with SingleThreadedExecutor(context=context) as executor:
         executor.add_node(node)
         yield executor
@@ -41,7 +41,7 @@ def executor(context: Context, node: Node) -> Iterator[SingleThreadedExecutor]:
 
 @pytest.fixture
 def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], object]], None]:
-    """Spin until a condition holds; fails if it never does."""
+    """Spin until a condition holds, and fail if it never does."""
 
     def spin_until(condition: Callable[[], object]) -> None:
         deadline = time.monotonic() + PATIENCE
@@ -54,7 +54,7 @@ def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], objec
 
 @pytest.fixture
 def start(domain: int) -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """Start a Python program, and its arguments, in a process of its own; what still runs in the end is killed."""
+    """Start a Python program with arguments in a new process, and kill the rest of it at the end."""
     processes: list[subprocess.Popen[str]] = []
 
     def start(code: str, *arguments: str) -> subprocess.Popen[str]:

@@ -1,4 +1,4 @@
-"""Importing what only a real ROS 2 has raises an error that says so. What can be imported is never hidden."""
+"""Importing a package that only a real ROS 2 has raises a helpful error. Existing packages are never hidden."""
 
 import sys
 from importlib import import_module
@@ -35,7 +35,7 @@ MISSING = [
 
 @pytest.fixture
 def importing(monkeypatch, tmp_path):
-    """Make a package importable from a folder on the path, and forget it afterwards."""
+    """Create a package in a folder on the path, and forget its import afterwards."""
     monkeypatch.syspath_prepend(tmp_path)
     made = []
 

@@ -1,13 +1,13 @@
 """Starting, spinning, destroying and shutting down in any order, from several threads at once.
 
-Whatever is done when, what comes is rclpy's exception or nothing: never another exception, a hang, a crash when the
+Whatever the order, the only result is rclpy's exception or none: never a different exception, a hang, a crash when the
 interpreter ends, or a thread that stays.
 """
 
 import pytest
 
 pytestmark = [pytest.mark.process, pytest.mark.pocket]
-# rclpy 7.1.3 raises what it does not mean to, such as "generator already executing"
+# rclpy 7.1.3 also raises unintended errors, such as "generator already executing"
 
 PROGRAM = """
 import faulthandler, random, sys, threading, traceback

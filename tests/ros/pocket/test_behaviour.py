@@ -1,4 +1,4 @@
-"""The pocket ROS 2 prints, raises and logs what a real rclpy did."""
+"""The pocket ROS 2 prints, raises and logs the same as a real rclpy."""
 
 import gc
 import json
@@ -13,27 +13,27 @@ ROWS = recorded()
 IN_NEWER = json.loads(NEWER.read_text(encoding="utf-8"))["printed"]
 
 pytestmark = [] if pocket_ros2.install() else [pytest.mark.process, pytest.mark.timeout(600)]
-"""On a real ROS 2, the snippets run in processes of their own, and the first test waits for all of them."""
+"""On a real ROS 2, the snippets run in separate processes, and the first test waits for all of them."""
 
 
 def expected(row: dict[str, Any], printed: str | None = None) -> dict[str, Any]:
-    """The outcome that a row expects, or expects with other output; the order of log lines does not matter."""
+    """Return the outcome that a row expects, optionally with different output. The order of log lines is ignored."""
     logged = sorted(row.get("logged", ()))
     return {"printed": printed or row["printed"], "raises": row.get("raises"), "logged": logged}
 
 
 def accepted(row: dict[str, Any]) -> list[dict[str, Any]]:
-    """The outcomes on real ROS 2s: one for most rows, and two if a later patch release behaves differently."""
+    """Return the accepted outcomes: one for most rows, two if a later patch release behaves differently."""
     newer = IN_NEWER.get(row.get("shows"))
     return [expected(row)] if newer is None else [expected(row), expected(row, newer)]
 
 
 @pytest.fixture(scope="module")
 def seen(backend):
-    """What a real ROS 2 does, by prelude and code: in one process, for a process for each takes long.
+    """The results of a real ROS 2, by prelude and code: all in one process, because a process for each takes long.
 
-    Its graph lags behind, and some of the first snippets do not wait for it: what differs there is run again, up to
-    five times, in a process of its own, as it was recorded.
+    Its graph lags behind, and some of the first snippets do not wait for it. So snippets that differ run again, up to
+    five times, each in a separate process, as when they were recorded.
     """
     results: dict[tuple[str, str], dict[str, Any]] = {}
     for given in dict.fromkeys(row["prelude"] for row in ROWS if backend == "rclpy"):
@@ -54,13 +54,13 @@ def test_every_snippet_is_recorded():
 
 @pytest.fixture(scope="module", autouse=True)
 def _quick_collections():
-    """Leave what is there before out of the collections after each snippet."""
+    """Freeze existing objects, because each snippet ends with a garbage collection."""
     gc.freeze()
     yield
     gc.unfreeze()
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # some end a thread's spin
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # some snippets end a thread's spin
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['about']}-{row.get('shows', row.get('id'))}")
 def test_same_as_rclpy(row, domain, backend, seen):
     if row["about"] == "tf2" and backend != "pocket":

@@ -1,4 +1,4 @@
-"""How far a program is heard, whom it looks for, and how many there may be."""
+"""Who hears a program, whom it looks for, and how many programs a domain can have."""
 
 import errno
 import socket
@@ -15,7 +15,7 @@ REACH, PEERS = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"
 
 @pytest.fixture(autouse=True)
 def _no_network(monkeypatch):
-    """A host is looked up without asking the network."""
+    """Resolve host names without the network."""
 
     def resolve(host):
         if host not in ("localhost", "127.0.0.1"):
@@ -41,20 +41,20 @@ def _no_network(monkeypatch):
         ),
     ],
 )
-def test_how_far_it_is_heard_and_whom_it_looks_for(variables, said, monkeypatch):
+def test_discovery_range_and_peers(variables, said, monkeypatch):
     for name in (REACH, PEERS, "CYCLONEDDS_URI"):
         monkeypatch.setenv(name, variables.get(name, ""))
     assert said in _domain.configuration()
 
 
-def test_peers_do_not_matter_where_nobody_is_looked_for(monkeypatch):
+def test_peers_do_not_matter_if_the_range_is_off(monkeypatch):
     monkeypatch.setenv(PEERS, "no-such-machine")
     monkeypatch.setenv(REACH, "OFF")
     assert "Peer" not in _domain.configuration()
 
 
 @pytest.mark.parametrize("peer", ["no-such-machine", "<b>", "localhost:x", "localhost:70000", "::1", "\x1b[2J"])
-def test_a_peer_that_is_not_found_is_named(peer, domain, monkeypatch):
+def test_an_unknown_peer_is_named(peer, domain, monkeypatch):
     monkeypatch.setenv(PEERS, f"127.0.0.1;{peer}")
     with pytest.raises(RuntimeError) as raised:
         _domain.join(domain)
@@ -73,10 +73,10 @@ def test_loopback_down(domain, monkeypatch):
         _domain.join(domain)
 
 
-def test_too_many_processes_is_said(domain, monkeypatch):
+def test_too_many_processes_are_reported(domain, monkeypatch):
     monkeypatch.setattr(_domain, "MAX_PARTICIPANTS", 1)
     with ExitStack() as stack:
-        for port in range(7410, 7414):  # those of two processes, where the first counts as 0
+        for port in range(7410, 7414):  # the ports of two processes
             taken = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
             taken.bind(("", port + 250 * domain))
         with pytest.raises(RuntimeError, match=r"too many ROS 2 programs .* machine \(1 is the limit here\)"):

@@ -1,4 +1,4 @@
-"""The node graph where what is announced cannot be trusted: too often, too much, or no announcement at all."""
+"""The node graph with bad announcements: too many, too large, or not valid."""
 
 import re
 from unittest.mock import Mock
@@ -6,12 +6,12 @@ from unittest.mock import Mock
 import pytest
 from rmw_dds_common.msg import ParticipantEntitiesInfo
 
-pytestmark = pytest.mark.pocket  # these look behind the scenes
+pytestmark = pytest.mark.pocket  # these test internals
 
 
 @pytest.fixture
 def heard(stranger, node, spin_until):
-    """A stranger whom the node has found."""
+    """A stranger that the node has discovered."""
     spin_until(lambda: stranger.writer.get_publication_matched_status().current_count)
     return stranger
 
@@ -27,7 +27,7 @@ def test_only_the_newest_of_many_announcements_is_decoded(node, heard, monkeypat
     decode.assert_called_once_with(heard.listing("number_199"), ParticipantEntitiesInfo)
 
 
-def test_a_look_comes_to_an_end_where_announcements_keep_coming(node, heard, monkeypatch, spin_until):
+def test_reading_ends_although_announcements_keep_coming(node, heard, monkeypatch, spin_until):
     from rclpy import _graph
 
     monkeypatch.setattr(_graph, "AT_ONCE", 8)
@@ -41,7 +41,7 @@ def test_a_look_comes_to_an_end_where_announcements_keep_coming(node, heard, mon
 
 
 def test_reading_waits_its_turn(node, stranger, monkeypatch):
-    """One who announces a lot again and again does not keep the others from being read."""
+    """A participant that announces a lot does not keep others from being read."""
     from rclpy import _graph
 
     monkeypatch.setattr(_graph, "LONGEST", len(stranger.listing("quiet")))
@@ -61,7 +61,7 @@ def test_reading_waits_its_turn(node, stranger, monkeypatch):
     ],
     ids=["long", "broken"],
 )
-def test_what_is_ignored_is_said_once(node, heard, names, said, spin_until, capfd):
+def test_ignored_announcements_are_reported_once(node, heard, names, said, spin_until, capfd):
     graph = node.context.graph
     heard.announce(heard.listing("early"))
     spin_until(lambda: "early" in node.get_node_names())
@@ -78,7 +78,7 @@ def test_what_is_ignored_is_said_once(node, heard, names, said, spin_until, capf
 
 
 @pytest.mark.parametrize("version", ["12.0.1", "11.0.2"])
-def test_another_cyclone_dds_is_refused_before_its_structures_are_read(version, monkeypatch):
+def test_an_incompatible_cyclone_dds_is_refused_before_use(version, monkeypatch):
     from rclpy import _graph
 
     _graph._check_version()

@@ -1,4 +1,4 @@
-"""Which rclpy is found: a real one wherever there is one, else the pocket ROS 2."""
+"""The choice of rclpy: a real one if there is one, otherwise the pocket ROS 2."""
 
 import sys
 from importlib import import_module
@@ -12,7 +12,7 @@ import pocket_ros2
 
 @pytest.fixture
 def real(monkeypatch, tmp_path):
-    """An rclpy that is installed, but broken; the one that these tests have is forgotten meanwhile."""
+    """A broken installed rclpy; the one in use is forgotten meanwhile."""
     for name in [name for name in sys.modules if name.split(".")[0] == "rclpy"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(sys, "path", [entry for entry in sys.path if entry != str(pocket_ros2.PATH)])
@@ -31,13 +31,13 @@ def test_a_real_one_wins_and_raises_its_own_error(real):
         import_module("rclpy")
 
 
-def test_it_is_hidden_if_the_pocket_ros_2_shall_be_first(real):
+def test_the_pocket_ros_2_can_come_first(real):
     assert pocket_ros2.install(first=True)
     assert Path(find_spec("rclpy").origin).is_relative_to(pocket_ros2.PATH)
 
 
 @pytest.mark.pocket
-def test_a_folder_of_that_name_is_none(real):
+def test_a_folder_named_rclpy_is_ignored(real):
     (real / "__init__.py").unlink()
     assert pocket_ros2.install()
     assert sys.path[-1] == str(pocket_ros2.PATH)

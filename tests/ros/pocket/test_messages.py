@@ -1,4 +1,4 @@
-"""Message classes are those that ROS 2 generates: what they hold, convert, check and say."""
+"""Message classes behave like those that ROS 2 generates: their fields, conversions, checks and texts."""
 
 import copy
 import pickle
@@ -24,7 +24,7 @@ NUMBER_CODES = {"float": "f", "double": "d"} | {
 
 
 def parts(field_type: str) -> tuple[str, str, int]:
-    """Take ``"sequence<double, 3>"`` apart: ``("double", "sequence", 3)``."""
+    """Split ``"sequence<double, 3>"`` into ``("double", "sequence", 3)``."""
     if several := re.fullmatch(r"sequence<(.*?)(?:, (\d+))?>", field_type):
         return several[1], "sequence", int(several[2] or 0)
     if several := re.fullmatch(r"(.*)\[(\d+)\]", field_type):
@@ -33,7 +33,7 @@ def parts(field_type: str) -> tuple[str, str, int]:
 
 
 def is_default(value: Any, field_type: str) -> bool:
-    """Whether a value is what a field of a type has if nothing else is given."""
+    """Return whether a value is the default of a field's type."""
     element, several, size = parts(field_type)
     code = NUMBER_CODES.get(element)
     if several == "array":
@@ -81,17 +81,17 @@ def test_every_type(type_name):
 
 
 def module_name(name: str) -> str:
-    """``JointState`` is in ``_joint_state``, ``ColorRGBA`` in ``_color_rgba``, ``PointCloud2`` in ``_point_cloud2``."""
+    """Return a class's module: ``_joint_state`` for ``JointState``, ``_color_rgba`` for ``ColorRGBA``."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=.)(?=[A-Z][a-z])", "_", name).lower()
 
 
 def carried(message: Any) -> Any:
-    """Send a message through its bytes."""
+    """Serialise and deserialise a message."""
     return deserialize_message(serialize_message(message), type(message))
 
 
 def values(field_type: str) -> st.SearchStrategy[Any]:
-    """Anything that a field of a type can hold."""
+    """Generate any value that a field of a type can hold."""
     element, several, size = parts(field_type)
     if "/" in element:
         one: st.SearchStrategy[Any] = st.deferred(lambda: messages(element.replace("/", "/msg/")))
@@ -110,21 +110,21 @@ def values(field_type: str) -> st.SearchStrategy[Any]:
 
 
 def messages(type_name: str) -> st.SearchStrategy[Any]:
-    """Any message of a type."""
+    """Generate any message of a type."""
     cls = message_class(type_name)
     return st.builds(cls, **{name: values(kind) for name, kind in cls.get_fields_and_field_types().items()})
 
 
 @settings(max_examples=200, suppress_health_check=list(HealthCheck))
 @given(st.data())
-def test_any_message_is_carried(data):
+def test_any_message_survives_serialisation(data):
     message = data.draw(messages(data.draw(st.sampled_from(ALL_TYPES))))
     assert carried(message) == message
     assert repr(carried(message)) == repr(message)
 
 
 @pytest.mark.process
-def test_the_environment_asks_for_checks(start):
+def test_the_environment_can_enable_checks(start):
     process = start(
         "import os; os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'\n"
         "from std_msgs.msg import String\n"
@@ -144,8 +144,8 @@ def test_a_star_imports_all_messages(package):
 
 
 @pytest.mark.pocket
-class TestWhatOnlyThePocketRos2Says:
-    """What a real ROS 2 has, and where the pocket one helps more."""
+class TestPocketOnlyErrors:
+    """Errors that help more than those of a real ROS 2."""
 
     @pytest.mark.parametrize(
         "name", ["std_srvs.srv", "sensor_msgs.srv", "example_interfaces.action", "example_interfaces.msg"]
@@ -154,6 +154,6 @@ class TestWhatOnlyThePocketRos2Says:
         with pytest.raises(ImportError, match=r"has no (\w|\.)+\. A real ROS 2 Jazzy has: see https"):
             import_module(name)
 
-    def test_the_message_that_is_meant_is_named(self):
+    def test_the_nearest_message_is_suggested(self):
         with pytest.raises(ImportError, match="Did you mean 'JointState'"):
             exec("from sensor_msgs.msg import JointStat")

@@ -1,4 +1,4 @@
-"""Every public name of rclpy 7.1.3, launch and tf2_ros is there with its signature, or says that it is missing."""
+"""Every public name of rclpy 7.1.3, launch and tf2_ros exists with its signature, or is reported as missing."""
 
 import inspect
 import json
@@ -13,14 +13,14 @@ from std_msgs.msg import String
 
 DATA = Path(__file__).parent / "data"
 NAMES: dict[str, dict[str, list[str] | None]] = json.loads((DATA / "rclpy_names.json").read_text(encoding="utf-8"))
-"""By module its names, and the members of those that are classes; as a real rclpy lists them."""
+"""The names of each module, and the members of its classes; as a real rclpy lists them."""
 SIGNATURES: dict[str, str] = json.loads((DATA / "rclpy_signatures.json").read_text(encoding="utf-8"))
-"""What each function and method that is there takes in a real rclpy, with the defaults."""
+"""The parameters of each existing function and method in a real rclpy, with their defaults."""
 
 
 @pytest.fixture
 def objects(node, spin_until):
-    """One of each class some of whose members only its objects have; those of the others are in the class."""
+    """One object of each class with members that only its objects have."""
     node.create_publisher(String, "x", 10)
     spin_until(lambda: node.get_publishers_info_by_topic("x"))
     return {
@@ -31,7 +31,7 @@ def objects(node, spin_until):
 
 
 def refusal(ask: Callable[..., object], *arguments: object) -> str:
-    """Return what is said where something is not there, "" where it is."""
+    """Return the error for a missing feature, or "" if it exists."""
     try:
         ask(*arguments)
     except (ImportError, AttributeError) as error:
@@ -41,7 +41,7 @@ def refusal(ask: Callable[..., object], *arguments: object) -> str:
 
 @pytest.fixture
 def need(backend):
-    """Skip a test about a package that this real ROS 2 was installed without, such as launch or tf2_ros."""
+    """Skip a test of a package that this real ROS 2 lacks, such as launch or tf2_ros."""
     return lambda name: backend == "pocket" or pytest.importorskip(name.partition(".")[0])
 
 
@@ -68,7 +68,7 @@ def test_signature(name, need):
 
 
 @pytest.mark.pocket
-def test_what_is_refused_is_not_there():
+def test_refused_names_do_not_exist():
     from rclpy._absent import TABLE, AbsentAttribute
 
     places = {owner: resolve_name(owner) for owner in TABLE["attributes"]}

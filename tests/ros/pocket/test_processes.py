@@ -35,14 +35,14 @@ def test_a_node_leaves_the_graph_with_its_process(node, spin_until, start, numbe
 
 
 LATE = ["KeyboardInterrupt True\n", "RCLError False\n"]
-"""Other endings of rclpy, which shuts down on a thread of its own: not yet, and as it was about to wait."""
+"""rclpy can also end differently, because it shuts down on a separate thread: later, or just before it waits."""
 
 
 @pytest.mark.parametrize(
     ("number", "endings"),
     [
         (signal.SIGINT, ["KeyboardInterrupt False\n"]),
-        (signal.SIGTERM, ["ExternalShutdownException False\n", ""]),  # as it waits, or between two callbacks
+        (signal.SIGTERM, ["ExternalShutdownException False\n", ""]),  # while it waits, or between two callbacks
     ],
 )
 def test_signals_end_the_spin(start, number, endings, backend):
@@ -101,14 +101,14 @@ print(status, heard.wait(60))
         ("rclpy.try_shutdown(); rclpy.init(args=[]); rclpy.create_node('y')", 1, r"os\.fork\(\).*method 'spawn'"),
     ],
 )
-def test_a_forked_process_comes_to_its_end_or_is_told_how_to_get_a_node(start, in_child, status, said):
+def test_a_forked_process_ends_or_says_how_to_get_a_node(start, in_child, status, said):
     output, errors = start(FORK.format(in_child=in_child)).communicate(timeout=60)
     assert output == f"{status} True\n"
     assert re.search(said, errors, re.DOTALL)
 
 
 @pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_for_ever()"])
-def test_daemon_threads_say_nothing_at_exit(start, busy):
+def test_daemon_threads_are_silent_at_exit(start, busy):
     process = start(f"""
 import rclpy, threading, time
 from std_msgs.msg import String
@@ -160,8 +160,8 @@ print(objects_later - objects < 50, counts_later == counts, growth < 100 * int(s
 
 
 @pytest.mark.parametrize("node", ["destroyed", "forgotten"])
-def test_rounds_of_everything_leave_nothing_behind(start, node, backend):
-    kept = 2000 if backend == "pocket" else 4000  # bytes a round; rclpy 7.1 keeps 2,100 to 2,300 itself
+def test_many_rounds_leave_nothing_behind(start, node, backend):
+    kept = 2000 if backend == "pocket" else 4000  # bytes per round; rclpy 7.1 itself keeps 2,100 to 2,300
     output, errors = start(ROUNDS, node, str(kept)).communicate(timeout=110)
     assert (output, errors) == ("True True True\n", "")
 
@@ -202,14 +202,14 @@ print("whole", flush=True)
     ],
     ids=["a message is taken", "the graph is looked at"],
 )
-def test_an_interrupt_is_no_crash_and_stays_one(start, rounds, seconds, turns, work):
+def test_an_interrupt_is_raised_and_does_not_crash(start, rounds, seconds, turns, work):
     process = start(INTERRUPTED.format(rounds=rounds, seconds=seconds, turns=turns, work=work))
     output, errors = process.communicate(timeout=60)
     assert (output, process.returncode) == ("whole\n", 0), errors
 
 
 def test_log_configuration(start):
-    """A process of its own, because a real ROS 2 configures its logs once in a process, and fails only then."""
+    """It needs a new process, because a real ROS 2 configures its logs once per process, and fails only then."""
     process = start("""
 from rclpy.context import Context
 context = Context()

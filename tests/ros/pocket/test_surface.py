@@ -1,4 +1,4 @@
-"""rclpy's surface beyond what was recorded from a real one."""
+"""Parts of rclpy's API for which there are no recordings."""
 
 import threading
 import time
@@ -22,19 +22,19 @@ from std_msgs.msg import String
         "rclpy.Context().init(args=['--ros-args', '--params-file', 'x'])",
     ],
 )
-def test_an_argument_that_is_not_there_says_what_to_do(code, node):
+def test_a_missing_argument_is_explained(code, node):
     with pytest.raises(ImportError, match="A real ROS 2 Jazzy has: see https"):
         exec(code, globals() | {"node": node})
 
 
 @pytest.mark.pocket
-def test_what_is_said_of_a_publisher_does_not_depend_on_its_class(node, capfd):
+def test_a_publishers_warning_does_not_depend_on_its_class(node, capfd):
     own = type("Own", (Publisher,), {})
     node.create_publisher(String, "x", 1, publisher_class=own).destroy()
     assert "publisher.destroy() does not tell the node" in capfd.readouterr().err
 
 
-def test_an_exception_that_nobody_asks_for_is_said(capsys):
+def test_an_unread_exception_is_reported(capsys):
     lost = Future()
     lost.set_exception(ValueError("lost"))
     del lost
@@ -56,7 +56,7 @@ def test_executor_shutdown_does_not_wait_for_a_callback(context, node):
     assert not thread.is_alive()
 
 
-@pytest.mark.pocket  # rclpy 7.1.3 waits on, for a result that nobody will give
+@pytest.mark.pocket  # rclpy 7.1.3 keeps waiting for a result that never comes
 def test_cancelled_future_ends_the_spin(executor):
     future = Future()
     threading.Timer(0.1, future.cancel).start()
@@ -66,10 +66,10 @@ def test_cancelled_future_ends_the_spin(executor):
     assert not future.done()
 
 
-def test_another_type_on_a_topic_is_said_once_and_others_go_on(node, executor, spin_until, capfd, backend):
+def test_a_second_type_on_a_topic_is_reported_once(node, executor, spin_until, capfd, backend):
     received: list[str] = []
     joy = node.create_publisher(Joy, "x", 10)
-    if rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp":  # where a process gives a topic one type only
+    if rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp":  # one type per topic and process
         with pytest.raises(RuntimeError, match="Failed to create subscription"):
             node.create_subscription(String, "x", print, 10)
         return
@@ -83,4 +83,4 @@ def test_another_type_on_a_topic_is_said_once_and_others_go_on(node, executor, s
         executor.spin_once(timeout_sec=0.02)
     assert received == ["text"]
     said = capfd.readouterr().err.count("Incompatible type on topic 'x', no messages will be sent to it.")
-    assert said == 2 or backend == "rclpy"  # on either side once
+    assert said == 2 or backend == "rclpy"  # once on either side

@@ -41,8 +41,8 @@ def test_busy_topic_does_not_starve_a_quiet_one(node, executor):
 
 
 @pytest.mark.pocket
-def test_a_topic_without_messages_is_not_looked_at(node, spin_until, monkeypatch):
-    """A node with a hundred subscriptions pays for those that have something."""
+def test_topics_without_messages_cost_nothing(node, spin_until, monkeypatch):
+    """A node with a hundred subscriptions pays only for those that have a message."""
     received: list[Any] = []
     for i in range(20):
         node.create_subscription(String, f"x{i}", received.append, 10)
@@ -57,7 +57,7 @@ def test_a_topic_without_messages_is_not_looked_at(node, spin_until, monkeypatch
 
 
 @pytest.mark.pocket
-def test_malformed_message_is_said_once_and_others_arrive(node, spin_until, capfd):
+def test_a_malformed_message_is_reported_once_and_later_ones_arrive(node, spin_until, capfd):
     received: list[str] = []
     node.create_subscription(String, "x", lambda message: received.append(message.data), 10)
     publisher = node.create_publisher(String, "x", 10)
@@ -82,7 +82,7 @@ def of(node: Node, kind: str) -> list[Any]:
 
 
 @each_kind
-def test_what_is_destroyed_by_itself_stays_among_its_nodes(node, kind):
+def test_an_entity_that_destroys_itself_stays_in_its_nodes_list(node, kind):
     made = CREATE[kind](node)
     destroy = getattr(node, f"destroy_{kind}")
     for _ in range(2):
@@ -90,7 +90,7 @@ def test_what_is_destroyed_by_itself_stays_among_its_nodes(node, kind):
         assert len(of(node, kind)) == 1
         assert made in list(getattr(node, f"{kind}s"))
     deadline = time.monotonic() + 30
-    while (node.count_publishers("x"), node.count_subscribers("x")) != (0, 0):  # what rclpy knows of others comes late
+    while (node.count_publishers("x"), node.count_subscribers("x")) != (0, 0):  # rclpy's graph lags behind
         assert time.monotonic() < deadline
     assert [destroy(made), destroy(made), made.destroy()] == [True, False, None]
     assert of(node, kind) == []
@@ -100,7 +100,7 @@ def test_what_is_destroyed_by_itself_stays_among_its_nodes(node, kind):
 
 
 @pytest.mark.parametrize("kind", ["subscription", "publisher"])
-def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(node, kind, executor, backend, capfd):
+def test_spinning_after_destroy_raises_or_logs_once(node, kind, executor, backend, capfd):
     made, other = CREATE[kind](node), CREATE[kind](node)
     executor.spin_once(timeout_sec=0)
     made.destroy()
@@ -118,7 +118,7 @@ def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(node
     executor.spin_once(timeout_sec=0.01)
 
 
-def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(context, node, capfd):
+def test_destroying_after_shutdown_logs_nothing(context, node, capfd):
     made = {kind: create(node) for kind, create in CREATE.items()}
     context.shutdown()
     for kind, entity in made.items():
@@ -128,7 +128,7 @@ def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(context, node,
 
 
 @pytest.mark.pocket
-def test_coming_and_going_leaves_nothing_behind(node):
+def test_creating_and_destroying_leaks_no_memory(node):
     memory = [psutil.Process().memory_info().rss]
     for _ in range(5):
         for _ in range(200):
@@ -139,7 +139,7 @@ def test_coming_and_going_leaves_nothing_behind(node):
 
 
 @pytest.mark.pocket
-def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(node, executor):
+def test_waiting_repeatedly_for_a_future_keeps_nothing(node, executor):
     future, called = Future(), []
     future.add_done_callback(called.append)
     node.create_timer(0.001, lambda: 1 / 0)
@@ -151,7 +151,7 @@ def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(node, executo
     assert called == [future]
 
 
-@pytest.mark.pocket  # rclpy 7.1.3 lets a callback spin, again and again; later ones refuse it
+@pytest.mark.pocket  # rclpy 7.1.3 lets a callback spin; later versions refuse it
 def test_a_callback_may_not_spin(node, executor, spin_until):
     errors: list[str] = []
 
@@ -166,7 +166,7 @@ def test_a_callback_may_not_spin(node, executor, spin_until):
     assert errors[0] == "Executor is already spinning"
 
 
-@pytest.mark.pocket  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
+@pytest.mark.pocket  # in rclpy the DDS side of a subscription outlives its context; here the whole process leaves DDS
 def test_a_subscription_cannot_count_after_shutdown(context, node):
     subscription = node.create_subscription(String, "x", print, 10)
     context.shutdown()
@@ -175,13 +175,13 @@ def test_a_subscription_cannot_count_after_shutdown(context, node):
 
 
 @pytest.mark.pocket
-def test_executors_that_are_gone_are_forgotten(context):
+def test_deleted_executors_are_forgotten(context):
     for _ in range(20):
         SingleThreadedExecutor(context=context).shutdown()
     assert len(context._executors) <= 2
 
 
-def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context, node):
+def test_logging_during_shutdown_raises_nothing(context, node):
     logger = node.get_logger()
     ok = context.ok
     context.ok = lambda: ok() or context.__dict__.pop("ok")  # type: ignore[method-assign, func-returns-value]
@@ -189,7 +189,7 @@ def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context, node):
     logger.info("it is shut down between the question whether it runs and the line")
 
 
-def test_endpoints_made_at_once_on_several_threads_are_all_announced(node, spin_until):
+def test_endpoints_created_on_several_threads_are_announced(node, spin_until):
     def make(number):
         for i in range(5):
             node.create_publisher(String, f"topic_{number}_{i}", 1)
@@ -204,4 +204,4 @@ def test_endpoints_made_at_once_on_several_threads_are_all_announced(node, spin_
     def owners():
         return [info.node_name for topic in topics for info in node.get_publishers_info_by_topic(topic)]
 
-    spin_until(lambda: owners() == 20 * ["tester"])  # in rclpy it takes a moment to see oneself
+    spin_until(lambda: owners() == 20 * ["tester"])  # in rclpy a node takes a moment to see itself

@@ -1,4 +1,4 @@
-"""Messages to bytes and back: the bytes of a real ROS 2, and what is done with bytes that are none."""
+"""Messages to bytes and back: the bytes of a real ROS 2, and invalid bytes."""
 
 import json
 import tracemalloc
@@ -19,8 +19,8 @@ from unique_identifier_msgs.msg import UUID
 
 GOLDEN = json.loads((Path(__file__).parent / "data/golden_cdr.json").read_text())
 LITTLE_ENDIAN = b"\0\1\0\0"
-MILLION = (2**20).to_bytes(4, "little")  # as a length: more than there is, and less than the computer's memory
-BILLIONS = b"\xff\xff\xff\xff"  # as a length: the greatest
+MILLION = (2**20).to_bytes(4, "little")  # as a length: more than there is, but less than the computer's memory
+BILLIONS = b"\xff\xff\xff\xff"  # as a length: the largest
 
 each_sample = pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
 
@@ -35,7 +35,7 @@ def test_recorded_bytes(sample):
 
 
 @each_sample
-def test_recorded_values_in_any_byte_order_and_whatever_is_in_the_padding(sample):
+def test_recorded_values_in_any_byte_order_and_with_any_padding(sample):
     store, name = get_typestore(Stores.ROS2_JAZZY), sample["type"]
     little, padded = (bytes.fromhex(sample[key]) for key in ("cdr_hex", "cdr_hex_fastrtps"))
     big = store.serialize_cdr(store.deserialize_cdr(little, name), name, little_endian=False)
@@ -80,7 +80,7 @@ def test_recorded_type_names():
 def test_a_wrong_value_names_its_field(cls, field, value, member):
     message = cls()
     setattr(message, field, value)
-    kind = AttributeError if field == "header" else TypeError  # as rclpy, of what is no message
+    kind = AttributeError if field == "header" else TypeError  # as in rclpy for an argument that is not a message
     with pytest.raises(kind, match=f"{cls.__name__} cannot be serialized: Failed to encode member {member}"):
         serialize_message(message)
 
@@ -106,16 +106,16 @@ def test_a_wrong_value_names_its_field(cls, field, value, member):
     ],
     ids=lambda value: f"{len(value)} bytes" if isinstance(value, bytes) else value.__name__,
 )
-def test_what_is_no_message_is_refused(data, cls):
+def test_invalid_bytes_are_refused(data, cls):
     with pytest.raises(RuntimeError, match=f"^failed to deserialize .*: {len(data)} bytes are no {cls.__name__}: ."):
         deserialize_message(data, cls)
 
 
 @pytest.mark.pocket
 @pytest.mark.parametrize("cls", [String, UInt8MultiArray, ByteMultiArray, JointState, Image])
-def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls):
+def test_a_length_allocates_nothing_before_its_data_exists(cls):
     data = LITTLE_ENDIAN + BILLIONS * 1000 if cls is String else LITTLE_ENDIAN + bytes(8) + BILLIONS * 1000
-    for _ in range(2):  # what reads such a message, and imports, are made at first use
+    for _ in range(2):  # the first call also creates the decoder, and imports
         tracemalloc.start()
         with pytest.raises(RuntimeError, match="no "):
             deserialize_message(data, cls)
@@ -133,4 +133,4 @@ def test_any_bytes_are_a_message_or_refused(cls, data):
     with suppress(RuntimeError):
         message = deserialize_message(data, cls)
         assert type(message) is cls
-        assert len(serialize_message(message)) <= 2 * len(data) + 16  # nothing is made of nothing
+        assert len(serialize_message(message)) <= 2 * len(data) + 16  # no message is larger than its bytes justify

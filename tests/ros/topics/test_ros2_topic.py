@@ -1,4 +1,4 @@
-"""What ``ros2 topic`` prints, compared with what a real one printed: tutorial/topics."""
+"""The output of tutorial/ros/topics, compared with that of a real ``ros2 topic``."""
 
 import asyncio
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ JOINT_STATE = "/Tank/joint_state"
 
 @pytest.fixture
 def asker(domain: int) -> Iterator[MeteredNode]:
-    """The node that asks, hidden as that of ``ros2`` is."""
+    """The node that asks, hidden like that of ``ros2``."""
     with NodeThread("_asker") as thread:
         yield thread.node
 
@@ -42,7 +42,7 @@ async def first(texts) -> str:
 
 
 def refusal(texts) -> str:
-    """What is said in place of a first text."""
+    """Return the error that is raised instead of a first text."""
     with pytest.raises(TutorialError) as caught:
         asyncio.run(first(texts))
     return str(caught.value)
@@ -50,7 +50,7 @@ def refusal(texts) -> str:
 
 @pytest.fixture
 def met(asker) -> Iterator[MeteredNode]:
-    """The node that asks, beside those of the recording; in the end it has taken its subscriptions back."""
+    """The node that asks, beside the recorded nodes; it must have destroyed its subscriptions at the end."""
     with recorded_nodes():
         yield asker
     assert not list(asker.subscriptions)
@@ -74,7 +74,7 @@ class TestEcho:
         assert "Invalid field 'header.positions': 'Header' object has no attribute" in said
 
     def test_two_types_on_one_topic(self, asker):
-        with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS refuses both of one participant
+        with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS allows each only one type
             one.node.create_publisher(String, "/both", 1)
             other.node.create_publisher(Joy, "/both", 1)
             assert refusal(topic_echo(asker, "/both")) == (
@@ -86,7 +86,7 @@ class TestEcho:
 
 
 class TestHz:
-    def test_unknown_topic_is_waited_for(self, asker):
+    def test_an_unknown_topic_is_waited_for(self, asker):
         async def watch():
             async with aclosing(topic_hz(asker, "/late")) as texts:
                 warning = await anext(texts)
@@ -101,7 +101,7 @@ class TestHz:
         assert rate.startswith("average rate: ")
         assert not list(asker.subscriptions)
 
-    def test_the_newest_intervals_count_and_where_simulated_time_jumps_back_it_begins_anew(self, asker, monkeypatch):
+    def test_the_newest_intervals_count_and_a_jump_back_resets_them(self, asker, monkeypatch):
         times = chain([0, 10, 10.5, 11, 3, 3.25, 3.5, 3.75], repeat(4))  # one for each message
         clock = Mock(ros_time_is_active=True, now=lambda: Time(seconds=next(times)))
         publisher = asker.create_publisher(String, "/now_and_then", 1)
@@ -115,7 +115,7 @@ class TestHz:
         figures = "average rate: {:.3f}\n\tmin: {:.3f}s max: {:.3f}s std dev: 0.00000s window: {}\n"
         assert asyncio.run(watch()) == (figures.format(2, 0.5, 0.5, 2), figures.format(4, 0.25, 0.25, 3))
 
-    def test_a_topic_or_a_message_that_does_not_come_in_time_is_said(self, met):
+    def test_a_missing_topic_or_message_is_reported(self, met):
         async def watch():
             async with aclosing(topic_hz(met, "/never", timeout=0.1)) as texts:
                 await anext(texts)  # the warning
@@ -168,34 +168,34 @@ class TestYaml:
         ],
     )
     def test_the_text(self, message, part):
-        """``^`` and ``$`` are its beginning and its end."""
+        """``^`` and ``$`` mark its beginning and end."""
         assert part in f"^{message_to_yaml(message)}$"
 
     @pytest.mark.parametrize(
         "text",
         ["\x1b[2J", "\x00\x7f\x9b", "\u202egpj", "a\n\u2028---\u2029", "\ufeff", "\x85", "half \ud800", "\\\u202e'\""],
     )
-    def test_what_is_not_visible_is_an_escape_and_is_read_as_it_was(self, text):
+    def test_invisible_characters_are_escaped_and_read_back_unchanged(self, text):
         written = message_to_yaml(String(data=text))
         assert written.startswith('data: "')
         assert written.removesuffix("\n").isprintable()
         assert yaml.safe_load(written) == {"data": text}
         assert field_text(String(data=text), "data").replace("\n", "").isprintable()
 
-    def test_a_string_of_many_lines_stays_one_of_many_lines(self):
+    def test_a_multiline_string_stays_multiline(self):
         assert field_text(String(data="a\n\tb\n"), "data") == "a\n\\tb\n\n---\n"
 
     @pytest.mark.parametrize(
         "name",
         ["sensor_msgs/msg/Joyy", "no_such_msgs/msg/Joy", "Joy", "//Joy", "os/path/join", "a.b/msg/C"],
     )
-    def test_message_types_that_there_are_not(self, name):
+    def test_unknown_message_types_are_refused(self, name):
         with pytest.raises(TutorialError) as caught:
             message_class(name)
         assert str(caught.value) == f"The message type '{name}' is invalid"
 
-    def test_a_type_s_name_from_the_network_imports_nothing_that_has_no_messages(self, tmp_path, monkeypatch):
-        """It would run: Python's own module ``antigravity`` opens a browser."""
+    def test_a_type_name_from_the_network_imports_no_other_module(self, tmp_path, monkeypatch):
+        """An import runs code: Python's own module ``antigravity`` opens a browser."""
         (tmp_path / "trap").mkdir()
         (tmp_path / "trap" / "__init__.py").write_text("raise SystemExit")
         (tmp_path / "trapped.py").write_text("raise SystemExit")
@@ -206,12 +206,12 @@ class TestYaml:
 
 
 class TestNames:
-    def test_a_name_is_shown_up_to_the_longest_of_ros_2(self):
+    def test_a_name_is_cut_at_ros_2s_maximum(self):
         assert escape_name("/" + "a" * 254) == "/" + "a" * 254
         assert escape_name("\x1b" + "a" * 1254) == r"\x1b" + "a" * 254 + "... and 1,000 more characters"
 
     @pytest.mark.parametrize("topic", ["/1abc", "/a/", "//x", "/", "/<b>x</b>", "/half\ud800", "joy"])
-    def test_topics_that_break_the_rules(self, topic):
+    def test_invalid_topics_are_escaped(self, topic):
         assert not is_valid_topic(topic)
 
 
@@ -228,12 +228,12 @@ def settle(asker, **how):
 
 
 @pytest.mark.pocket
-def test_a_ros_2_program_that_was_discovered_is_waited_for(asker, stranger):
+def test_it_waits_for_a_discovered_ros_2_program(asker, stranger):
     assert not settle(asker)
 
 
 @pytest.mark.pocket
-def test_it_is_waited_for_until_its_nodes_and_all_that_they_have_are_known(asker, stranger):
+def test_it_waits_until_all_nodes_and_endpoints_are_known(asker, stranger):
     async def told_in_the_meantime():
         waiting = asyncio.create_task(wait_for_graph(asker, patience=60.0))
         await asyncio.sleep(0)  # the first look
@@ -243,11 +243,11 @@ def test_it_is_waited_for_until_its_nodes_and_all_that_they_have_are_known(asker
     assert asyncio.run(told_in_the_meantime())
     assert "late" in asker.get_node_names()
     stranger.announce(stranger.listing("late", writers=1))
-    assert not settle(asker), "one of its publishers is still on its way"
+    assert not settle(asker), "one of its publishers is still missing"
 
 
 @pytest.mark.pocket
-def test_a_program_that_is_dds_alone_is_not_waited_for(asker, domain):
+def test_it_does_not_wait_for_a_plain_dds_program(asker, domain):
     from cyclonedds.domain import DomainParticipant
 
     other = DomainParticipant(domain)
@@ -256,7 +256,7 @@ def test_a_program_that_is_dds_alone_is_not_waited_for(asker, domain):
 
 
 @pytest.mark.pocket
-def test_what_is_asked_for_is_waited_for_a_little_longer(asker, monkeypatch):
+def test_it_waits_longer_for_the_requested_topic(asker, monkeypatch):
     monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 60.0)
     looks = iter([False, False, True])
     assert asyncio.run(wait_for_graph(asker, patience=60.0, wanted=lambda: next(looks)))

@@ -16,7 +16,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.wheels import folder, install
 
 ONE = "ros-std-srvs==5.3.6"
-"""A small wheel of the list."""
+"""A small wheel from the list."""
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not folder.is_supported():
@@ -25,7 +25,7 @@ if not folder.is_supported():
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """The test's own folder, which a child process uses, too."""
+    """A separate folder for the test; a child process uses it, too."""
     (tmp_path / "tutorial").mkdir()
     monkeypatch.setattr(folder, "PACKAGE", tmp_path / "tutorial")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
@@ -34,7 +34,7 @@ def place(tmp_path, monkeypatch):
 
 @pytest.fixture
 def wheels(tmp_path, monkeypatch):
-    """A list of one wheel."""
+    """A list with a single wheel."""
     lines = folder.WHEELS.read_text().split(f"{ONE} \\\n")[1].split("\nros-")[0]
     monkeypatch.setattr(folder, "WHEELS", tmp_path / "runtime.txt")
     folder.WHEELS.write_text(f"{ONE} \\\n{lines}\n")
@@ -43,7 +43,7 @@ def wheels(tmp_path, monkeypatch):
 
 @pytest.fixture
 def closed(monkeypatch):
-    """No registry answers."""
+    """Make every registry fail."""
     for name in ("PIP_INDEX_URL", "UV_DEFAULT_INDEX"):
         monkeypatch.setenv(name, "http://127.0.0.1:9")
     monkeypatch.setenv("PIP_RETRIES", "0")
@@ -55,7 +55,7 @@ def fill(place):
 
 
 def size(place):
-    """The bytes of the files below a folder, which another process may be filling."""
+    """Return the bytes of the files below a folder, which a second process may be filling."""
     used = subprocess.run(["du", "-sb", place], check=False, capture_output=True, text=True).stdout
     return int(used.split()[0]) if used else 0
 
@@ -120,7 +120,7 @@ def test_two_at_once(place):
 
 
 def fingerprint():
-    """The files of this Python's environment, and the state of a new interpreter."""
+    """Return the files of this Python's environment, and the state of a new interpreter."""
     state = hashlib.sha256()
     for path in sorted(Path(sysconfig.get_path("purelib")).rglob("*")):
         status = path.lstat()

@@ -1,4 +1,4 @@
-"""The folder of the real ROS 2: where it is, and when it can be used."""
+"""The folder of the real ROS 2: its place, and whether it can be used."""
 
 import re
 
@@ -10,7 +10,7 @@ from tutorial.ros.wheels import folder
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """An empty folder in the place of the real one."""
+    """An empty folder in place of the real one."""
     monkeypatch.setattr(folder, "prefix", lambda: tmp_path)
     monkeypatch.delenv("RMW_IMPLEMENTATION", raising=False)
     return tmp_path

@@ -1,4 +1,4 @@
-"""Interface packages: what is built can be used, and an error explains what cannot be built."""
+"""Building interface packages: built ones can be used, and an error explains why one cannot be built."""
 
 import json
 import os
@@ -40,13 +40,13 @@ def listings(language):
 
 @pytest.fixture(scope="module")
 def prefix():
-    """A copy of the real ROS 2's folder, so that nothing is built into the learner's own."""
+    """A copy of the real ROS 2's folder, to build nothing into the learner's own."""
     problem = "" if interfaces.can_build() else folder.COMPILER
     problem = problem if folder.is_complete(folder.prefix()) else folder.how_to_get_it()
     if problem:
         (pytest.fail if os.environ.get("CI") == "true" and folder.is_supported() else pytest.skip)(problem)
     with tempfile.TemporaryDirectory(dir=folder.prefix().parent) as place:
-        copy = Path(place) / "ros 2 ö"  # some home folders have such names
+        copy = Path(place) / "ros 2 ö"  # with a blank and an umlaut, as in some home folders
         shutil.copytree(folder.prefix(), copy, symlinks=True, copy_function=os.link)
         yield copy
 
@@ -65,7 +65,7 @@ def mine(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def built(prefix, tmp_path_factory):
-    """The folder, with the page's package in it."""
+    """The folder with the page's package."""
     assert build_interfaces(package(tmp_path_factory.mktemp("page"), "my_msgs"), prefix, lambda _: None) == "my_msgs"
     return prefix
 

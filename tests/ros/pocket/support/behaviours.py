@@ -1,4 +1,4 @@
-"""Snippets of rclpy programs: where they are kept, how they are run, and what of their outcome is compared."""
+"""Snippets of rclpy programs: their files, how to run them, and which parts of the outcome are compared."""
 
 import ast
 import gc
@@ -19,30 +19,30 @@ from unittest.mock import patch
 from domains import reserved_domain
 
 FOLDER = Path(__file__).parents[1] / "behaviours"
-"""What is more than an expression, or logs: one file a theme, one cell (``# %% what it shows``) a behaviour;
-``prelude.py`` comes before each, and what stands above the file's first cell."""
+"""Snippets that log, or are more than an expression. A file is a topic, a cell (``# %% what it shows``) a behaviour.
+``prelude.py`` comes before each of them, and so does the code above the file's first cell."""
 
 RECORD = FOLDER.parent / "data/more_rclpy_behaviour.json"
-"""What a real rclpy did with them; made by record_behaviours.py."""
+"""The results of a real rclpy; written by record_behaviours.py."""
 
 OLDER_RECORD = FOLDER.parent / "data/rclpy_behaviour.json"
-"""Older snippets, and what a real rclpy did with them."""
+"""Older snippets, with the results of a real rclpy."""
 
 EXPRESSIONS = FOLDER.parent / "data/rclpy_expressions.json"
-"""Expressions, and what a real rclpy made of them, in groups that begin with the same lines."""
+"""Expressions with the results of a real rclpy, in groups that share their first lines."""
 
 NEWER = FOLDER.parent / "data/rclpy_newer.json"
-"""Expressions that have another result in a later patch release of Jazzy, because of its message generator."""
+"""Expressions with a different result in a later patch release of Jazzy, because of its message generator."""
 
 TIME = re.compile(r"\[\d+\.\d+\]")
 LOG_LINE = re.compile(r"\[[A-Z]+\] \[\d")
 PLACE = re.compile(r"( \(unknown location\)| \(\S+\.py\)|(, at \S+\.c:\d+)+)$")
-"""Where an error comes from, which recordings leave out: a module's file, or lines of rcl."""
+"""The origin of an error, which recordings leave out: a module's file, or lines of rcl."""
 
 
 @contextmanager
 def stderr_in(file: IO[str]) -> Iterator[None]:
-    """Write into a file what goes to stderr, also what C writes there, as a real rclpy does."""
+    """Redirect stderr to a file, even what C code writes there, as a real rclpy does."""
     kept = os.dup(2)
     os.dup2(file.fileno(), 2)
     try:
@@ -54,7 +54,7 @@ def stderr_in(file: IO[str]) -> Iterator[None]:
 
 
 def snippets(group: dict[str, Any]) -> list[str]:
-    """A group's expressions as snippets that print a value, or what is raised instead; of several values each."""
+    """Return a group's expressions as snippets that print values or exceptions; a tuple prints several values."""
     made = []
     for code in group["expressions"]:
         several = isinstance(ast.parse(code, mode="eval").body, ast.Tuple)
@@ -66,7 +66,7 @@ def snippets(group: dict[str, Any]) -> list[str]:
 def outcome(prelude: str, snippet: str) -> dict[str, Any]:
     """Run a snippet, shut ROS 2 down, and return what the snippet printed, raised and logged.
 
-    What differs from run to run is left out: places in files, times of log lines, and their order.
+    Leave out everything that differs from run to run: source locations, times of log lines, and their order.
     """
     import rclpy
 
@@ -98,12 +98,12 @@ def outcome(prelude: str, snippet: str) -> dict[str, Any]:
 
 
 def prelude() -> str:
-    """What comes before each behaviour of this folder."""
+    """Return the code that comes before each behaviour in this folder."""
     return (FOLDER / "prelude.py").read_text(encoding="utf-8")
 
 
 def behaviours() -> Iterator[tuple[str, str, str]]:
-    """Every behaviour of this folder: its theme, what it shows, and its code."""
+    """Yield every behaviour in this folder: its topic, what it shows, and its code."""
     for file in sorted(FOLDER.glob("*.py")):
         opening, *cells = file.read_text(encoding="utf-8").split("# %% ")
         for cell in cells:
@@ -126,7 +126,7 @@ def recorded() -> list[dict[str, Any]]:
 
 
 def outcomes(prelude: str, snippets: Sequence[str]) -> list[dict[str, Any]]:
-    """Run snippets in a process of their own, one after the other, in a domain of its own."""
+    """Run snippets one after another in a separate process and domain."""
     with reserved_domain() as domain:
         done = subprocess.run(
             [sys.executable, __file__],

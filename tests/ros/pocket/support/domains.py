@@ -1,4 +1,4 @@
-"""A ROS domain of one's own, so that runs side by side don't hear each other."""
+"""Reserve a ROS domain, so that test runs at the same time don't hear each other."""
 
 import random
 import socket
@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 
 @contextmanager
 def reserved_domain() -> Iterator[int]:
-    """Hold a ROS_DOMAIN_ID from 1 to 101 that no other test holds: its first port for TCP, which DDS leaves free."""
+    """Hold a free ROS_DOMAIN_ID from 1 to 101 by binding its first port for TCP, which DDS does not use."""
     with socket.socket() as held:
         for number in random.sample(range(1, 102), 101):
             with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Classes of messages by the names of their types."""
+"""Find message classes by the names of their types."""
 
 from importlib import import_module
 from typing import Any
@@ -9,7 +9,7 @@ import pocket_ros2
 
 
 def message_class(type_name: str) -> type[Any]:
-    """Import a class, such as ``"sensor_msgs/msg/Joy"``; a small installation of a real ROS 2 has not every package."""
+    """Import a class, such as ``"sensor_msgs/msg/Joy"``; skip the test if a real ROS 2 lacks the package."""
     package, _, name = type_name.split("/")
     module = import_module(f"{package}.msg") if pocket_ros2.install() else pytest.importorskip(f"{package}.msg")
     found: type[Any] = getattr(module, name)

@@ -1,7 +1,7 @@
-"""Record what a real rclpy does with the snippets of the folder behaviours, each in a fresh process.
+"""Record what a real rclpy does with the snippets in the folder behaviours, each in a fresh process.
 
-Run it where a real ROS 2 is in use, then look at what git shows. With ``--newer``, keep the record and write what a
-later patch release does differently into another file.
+Run it with a real ROS 2 in use, then review the git diff. With ``--newer``, keep the record, and write the
+differences of a later patch release into a separate file.
 """
 
 import json
@@ -54,7 +54,7 @@ def main() -> None:
 
 
 def _write_differences(groups: Any, printed: Any, rows: list[dict[str, Any]], where: str) -> None:
-    """Write what prints something else than the record says; what needs a package that is missing is left out."""
+    """Write the outputs that differ from the record, without those that need a missing package."""
     before = {row["shows"]: row["printed"] for row in json.loads(RECORD.read_text(encoding="utf-8"))["rows"]}
     different = {row["shows"]: row["printed"] for row in rows if row["printed"] != before[row["shows"]]}
     for row in rows:
@@ -63,7 +63,7 @@ def _write_differences(groups: Any, printed: Any, rows: list[dict[str, Any]], wh
     for group, those in zip(groups, printed, strict=True):
         for (code, recorded), snippet, done in zip(group["expressions"].items(), snippets(group), those, strict=True):
             if done["printed"] != f"{recorded}\n":
-                (alone,) = outcomes(prelude(), [snippet])  # it may have met what an earlier one has left
+                (alone,) = outcomes(prelude(), [snippet])  # an earlier snippet may have affected it
                 if alone["printed"] != f"{recorded}\n":
                     different[code] = alone["printed"]
     note = f"What a later patch release of Jazzy prints instead ({where}); by record_behaviours.py --newer."

@@ -1,6 +1,6 @@
-"""Write the definitions of messages that the pocket ROS 2 has, from rosbags' store of those of ROS 2 Jazzy.
+"""Write the message definitions of the pocket ROS 2, from rosbags' store of those of ROS 2 Jazzy.
 
-Run it when rosbags has others, then look at what git shows.
+Run it after rosbags has changed them, then review the git diff.
 """
 
 import json
@@ -14,9 +14,9 @@ from rosbags.typesys import Stores, get_typestore
 
 
 def written() -> str:
-    """The file's text: one line for each type."""
+    """Return the file's text: one line for each type."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    for constants, fields in store.fielddefs.values():  # its own, which the hashes are made of
+    for constants, fields in store.fielddefs.values():  # the original definitions, because the hashes depend on them
         fields[:] = [(name, _without_char(description)) for name, description in fields]
         constants[:] = [(name, "uint8" if base == "char" else base, value) for name, base, value in constants]
     rows = []
@@ -31,7 +31,7 @@ def written() -> str:
 
 
 def _without_char(description: Any) -> Any:
-    """Replace the .msg type char by what ROS 2 makes of it, a uint8: in its class, on the wire and in its hash."""
+    """Replace the .msg type char by uint8, as ROS 2 does: in the class, on the wire and in the hash."""
     if description == ("char", 0):
         return ("uint8", 0)
     if isinstance(description, tuple):
@@ -40,7 +40,7 @@ def _without_char(description: Any) -> Any:
 
 
 def _type(description: Any) -> str:
-    """Write a field's type as a .msg file does, with the whole name of a message."""
+    """Return a field's type as in a .msg file, with a message's full name."""
     kind, detail = description
     if kind.name == "NAME":
         return str(detail)

@@ -1,4 +1,4 @@
-"""A pytest plugin: which ROS 2 is in use, and a domain for each test."""
+"""A pytest plugin: report which ROS 2 is in use, and give each test its own domain."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -20,32 +20,32 @@ MARKS = (
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Know the marks of these tests."""
+    """Register the marks of these tests."""
     for mark in MARKS:
         config.addinivalue_line("markers", mark)
 
 
 @pytest.fixture(scope="session")
 def backend() -> str:
-    """Which ROS 2 the tests run on: ``rclpy``, a real one, or ``pocket``."""
+    """The ROS 2 that the tests run on: ``rclpy``, a real one, or ``pocket``."""
     return "pocket" if pocket_ros2.install() else "rclpy"
 
 
 @pytest.fixture(autouse=True)
 def _pocket_only(request: pytest.FixtureRequest, backend: str) -> None:
-    """Skip what is about the pocket ROS 2 alone."""
+    """Skip tests that only concern the pocket ROS 2."""
     if backend != "pocket" and request.node.get_closest_marker("pocket"):
-        pytest.skip("a real ROS 2 is in use: this is about the pocket one")
+        pytest.skip("a real ROS 2 is in use, and this test is for the pocket one")
 
 
 def pytest_report_header() -> str:
-    """Say it at the top of a test run, too."""
+    """Report it at the top of a test run, too."""
     return f"ROS 2: {'pocket' if pocket_ros2.install() else 'rclpy'}"
 
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """A ROS domain that nobody else uses; processes started by the test inherit it."""
+    """A ROS domain that nothing else uses; processes started by the test inherit it."""
     with reserved_domain() as number:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
         yield number
@@ -53,7 +53,7 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 
 @pytest.fixture
 def stranger(domain: int) -> Iterator[Any]:
-    """A `Stranger` in the test's domain, to the pocket ROS 2."""
+    """A `Stranger` in the test's domain, for tests of the pocket ROS 2."""
     from rclpy._domain import join, leave
     from stranger import Stranger
 

@@ -1,4 +1,4 @@
-"""A program that is DDS alone and announces nodes as ROS 2 does, to the pocket ROS 2."""
+"""A plain DDS program that announces nodes to the pocket ROS 2 as ROS 2 does."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
 
 class Stranger:
-    """Another program in the domain: no more than a participant, which announces nodes as it likes."""
+    """A foreign program in the domain: only a participant, which can announce arbitrary nodes."""
 
     def __init__(self, participant: Any) -> None:
         self._payload = payload_type(ParticipantEntitiesInfo._definition.type_name)
@@ -16,7 +16,7 @@ class Stranger:
         self.writer = DataWriter(participant, Topic(participant, "ros_discovery_info", self._payload), _WRITER_QOS)
 
     def listing(self, *names: str, writers: int = 0) -> bytes:
-        """Return an announcement of nodes, each with some publishers that there are not."""
+        """Return an announcement of nodes, each with some publishers that do not exist."""
         gids = [Gid(data=[7] * 16)] * writers
         nodes = [NodeEntitiesInfo(node_namespace="/", node_name=name, writer_gid_seq=gids) for name in names]
         return serialize_message(ParticipantEntitiesInfo(gid=self._gid, node_entities_info_seq=nodes))
