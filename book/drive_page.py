@@ -109,7 +109,7 @@ def write_site(static: Path) -> None:
         for name in names:
             shutil.copyfile(packages / package.rpartition("@")[0] / name, folder / name)
     lock = json.loads((packages / "pyodide" / LOCK).read_text(encoding="utf-8"))
-    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or Pyodide would load packages from other sites
+    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or it would use other sites
     with TemporaryDirectory() as course:
         write_python(Path(course))
         shutil.make_archive(str(folder / "course"), "zip", course)

@@ -1,7 +1,7 @@
 """Save what a notebook's widgets show while it runs, for the book, which has no kernel to bring them to life.
 
-``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets by the saved figures. The n-th widget
-that a notebook displays is saved as ``n.html``.
+``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets by the saved figures. A notebook's
+n-th widget is saved as ``n.html``.
 """
 
 import base64

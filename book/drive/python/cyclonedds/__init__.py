@@ -64,7 +64,7 @@ class Wire:
     Attributes:
         participants: this program's participants.
         others: the participants that each of the other programs has announced.
-        send: called with the topic, its type, the writer's identifier and the bytes, to send them to the other programs.
+        send: called with the topic, its type, the writer's identifier and the bytes for the other programs.
         announce: called with bytes for the other programs' `hear`.
     """
 
