@@ -118,7 +118,7 @@ def test_a_report_is_plain_values_with_a_short_repr():
         ((0, 0, 20, 20), set(), "1 joint shown"),
         ((-5,), set(), "1 joint shown"),
     ],
-    ids=["a little back", "late ones do not move the clock", "far back", "zero begins anew", "equal", "before 1970"],
+    ids=["a little back", "late ones do not move the clock", "far back", "zero restarts", "equal", "before 1970"],
 )
 def test_stamps_distinguish_late_messages_from_a_restart(stamps_ms, dropped, said):
     matcher = JointMatcher(TANK)

@@ -34,7 +34,7 @@ NAMES = ("Tank", "Crane")
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
-    pytest.skip("TANK_REAL_ROS2 is not set to a command that runs another one with ROS 2", allow_module_level=True)
+    pytest.skip("TANK_REAL_ROS2 is not set to a command that runs other commands on ROS 2", allow_module_level=True)
 
 
 @pytest.fixture(scope="module")

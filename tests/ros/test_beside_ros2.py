@@ -33,7 +33,7 @@ JOINT_STATE, STICK_TO_THE_RIGHT = "sensor_msgs/msg/JointState", "{axes: [0, 0, 0
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
-    pytest.skip("TANK_REAL_ROS2 is not set: it is a command that runs another one with ROS 2", allow_module_level=True)
+    pytest.skip("TANK_REAL_ROS2 is not set to a command that runs other commands on ROS 2", allow_module_level=True)
 
 
 @dataclass

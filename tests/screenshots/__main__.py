@@ -36,8 +36,8 @@ from tutorial.notebook import until
 from tutorial.view.bodies import CAMERA
 
 far, room = map(np.array, CAMERA)
-barrel = np.array([0.1, 0.0, 0.1])  # from the middle of the tank
-arms = far - room, np.array([-0.6, -1.1, 0.36])  # to the camera, at first and in the end
+barrel = np.array([0.1, 0.0, 0.1])  # from the centre of the tank
+arms = far - room, np.array([-0.6, -1.1, 0.36])  # from the target to the camera, at the start and at the end
 lengths = np.linalg.norm(arms, axis=1)
 
 program.stop()
@@ -47,7 +47,7 @@ pose = program.body("Tank").data.body("Tank/CHASSIS").xpos
 start, rail = pose[0], 2.655
 
 def follow():
-    "Move the camera along with the tank, from where one sees the room to where one sees its barrel."
+    "Move the camera along with the tank, from a view of the room to a view of the barrel."
     way = np.clip((pose[0] - start) / (rail - start), 0, 1)
     near = way * way * (3 - 2 * way)
     target = room + near * (pose + barrel - room)
@@ -61,7 +61,7 @@ def touching():
     return ["Labo/RAIL", "Tank/BARREL"] in [sorted(model.geom(g).name for g in pair) for pair in data.contact.geom]
 
 async def take(stick, seconds):
-    "Let time pass while the stick is held so, and say what was so in the end."
+    "Advance the simulation with the stick held, and print the resulting state."
     await until(lambda: len(joy.get().axes) > 1 and abs(joy.get().axes[1] - stick) < 0.01)
     program.advance(seconds)
     program.host.refresh()

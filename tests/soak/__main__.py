@@ -52,16 +52,16 @@ def run(kind: str, seconds: float) -> tuple[Result, Result]:
 def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
     """Yield the requirements that the results do not meet."""
     if sent["rate"] < RATE_BOUND:
-        yield f"{sent['rate']:.0f} messages a second were sent, at least {RATE_BOUND:.0f} are asked for"
+        yield f"{sent['rate']:.0f} messages a second were sent, at least {RATE_BOUND:.0f} are required"
     if kind in ("reliable", "bag") and sent["sent"] > got["received"]:
         yield f"{sent['sent'] - got['received']} messages were lost"
     if got["disordered"]:
-        yield f"{got['disordered']} messages came out of order"
+        yield f"{got['disordered']} messages arrived out of order"
     for grown, whose in ((sent["grown"], "publisher"), (got["grown"], "other end")):
         yield from above((grown, GROWTH, f"the {whose}'s {MEMORY}"))
     if got["received"] != got.get("applied", got["received"]):
         yield f"{got['received']} messages were received, but {got['applied']} shown"
-    queue = "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"
+    queue = "the viewer's queue has grown: in the last third {:.0f} calls waited, at most {} may wait"
     yield from above((got.get("waiting", 0), BACKLOG, queue))
 
 

@@ -24,7 +24,7 @@ KINDS = ("names", "messages", "encapsulations")
 SETTLED = 20  # tenths of a second that the viewer runs before the attack
 PATIENCE = 60.0  # [s]
 BOUNDS = {
-    "the main loop was held for {:.0f} ms, at most {:g} are allowed": 100.0,
+    "the main loop was blocked for {:.0f} ms, at most {:g} are allowed": 100.0,
     f"the {MEMORY}": 50.0,
     "{:.1f} lines a second were printed, at most {:g} are allowed": 1.0,
     "it took {:.1f} s to end after SIGTERM, at most {:g} are allowed": 2.0,

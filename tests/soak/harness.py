@@ -36,8 +36,8 @@ def soak(seconds: int, job: Callable[[int], list[str]]) -> None:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         complaints = job(int(sys.argv[1]) if sys.argv[1:] else seconds)
     for complaint in complaints:
-        console.print(f"does not hold: {complaint}", style="red", highlight=False)
-    console.print("" if complaints else "all holds", end="" if complaints else "\n")
+        console.print(f"failed: {complaint}", style="red", highlight=False)
+    console.print("" if complaints else "all requirements are met", end="" if complaints else "\n")
     sys.exit(bool(complaints))
 
 

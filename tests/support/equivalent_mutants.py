@@ -15,10 +15,10 @@ def swapped(one: str, other: str) -> str:
     return f"{one}; {other} → {other}; {one}"
 
 
-UNRELATED = "neither statement needs what the other does"
-EVEN = "the remainder is never negative, and a multiple of n is one of -n"
-WHAT_IS_TOLD = "that observers are told is asked for, not what"
-FIRST = "at which step the first message is sent is left to the answer"
+UNRELATED = "neither statement depends on the other"
+EVEN = "the remainder is never negative, and a multiple of n is also a multiple of -n"
+WHAT_IS_TOLD = "an answer has to notify observers, but may choose the argument"
+FIRST = "an answer may choose the step of the first message"
 
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
 FOUR_AXES = "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]"
@@ -55,13 +55,13 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "a button is 0 or 1": becomes(PRESSED, PRESSED.replace("==", ">=")),
     },
     "bound": {
-        "of however many are taken at first, four are left in the end": becomes(
+        "the end of the line keeps four of however many values": becomes(
             FOUR_AXES, FOUR_AXES.replace("axes[:4]", "axes[:5]")
         ),
     },
     "drive": {
-        "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
-        "of four, those before the last two are the first two": becomes(
+        "an axis is a float32, and 0.3 is not one": becomes(AXES.format(">"), AXES.format(">=")),
+        "of four values, all but the last two are the first two": becomes(
             AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
         ),
     },
@@ -73,7 +73,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
     "show": {WHAT_IS_TOLD: TOLD_OTHERWISE},
     "keep_up": {
         WHAT_IS_TOLD: TOLD_OTHERWISE,
-        "any key does that is the same for every message: a controller's keys are its own": becomes(
+        "any constant key works, because each controller has its own keys": becomes(
             LATEST, LATEST.replace("name", "joint_names")
         ),
     },
@@ -87,15 +87,15 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             swapped("timer.cancel()", "self.move(self.place)"),
             swapped("self.move((x, y, z + 0.1))", "self.timer = asyncio.get_running_loop().call_later(0.5, self.land)"),
         ),
-        "what is posted runs on the main thread, and so not before configure has ended": (
+        "a posted call runs on the main thread, and so not before configure has returned": (
             swapped("self.timer = None", BLOWS),
         ),
     },
     "pair": {
         "a function without a return returns None": becomes("return None", "nothing", "return"),
-        "a key is a key in either order": becomes(STAMP, STAMP_TURNED),
-        "of a stamp there are never more than two": becomes(TWO, TWO.replace("==", ">=")),
-        "a message that completes a pair makes no more wait": (swapped(COMPLETE, TOO_MANY),),
+        "the order within a key does not matter": becomes(STAMP, STAMP_TURNED),
+        "a stamp never has more than two messages": becomes(TWO, TWO.replace("==", ">=")),
+        "a message that completes a pair does not make more messages wait": (swapped(COMPLETE, TOO_MANY),),
     },
     "gray": now_and_then("picture", 5),
     "gaps": {

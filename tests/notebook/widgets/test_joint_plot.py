@@ -61,14 +61,14 @@ def test_only_the_last_seconds_are_shown():
 @pytest.mark.parametrize(
     ("samples", "lengths"),
     [
-        pytest.param([(t, {"A": 1.0}) for t in (1.0, 1.1, 1.2, 1.05, 1.15)], [5], id="late ones"),
-        pytest.param([(t, {"A": 1.0}) for t in (50.0, 50.1, 0.0, 0.1, 0.2)], [3], id="it is started again"),
+        pytest.param([(t, {"A": 1.0}) for t in (1.0, 1.1, 1.2, 1.05, 1.15)], [5], id="late messages"),
+        pytest.param([(t, {"A": 1.0}) for t in (50.0, 50.1, 0.0, 0.1, 0.2)], [3], id="restart"),
         pytest.param(
             [(i / 10, {"A": a}) for i, a in enumerate((0.0, 0.1, math.nan, 0.2, 0.3, math.inf, 0.4, 0.5, 1e300))],
             [2, 2, 2],
-            id="no numbers",
+            id="not finite",
         ),
-        pytest.param([(0.0, {"A": 1.0}), (0.1, {"B": 1.0}), (0.2, {"A": 1.0, "B": 2.0})], [2, 2], id="come and go"),
+        pytest.param([(0.0, {"A": 1.0}), (0.1, {"B": 1.0}), (0.2, {"A": 1.0, "B": 2.0})], [2, 2], id="gaps"),
     ],
 )
 def test_curves_stop_at_gaps(samples, lengths):

@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import pytest
 from cyclonedds.core import DDSException
 
-_domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use: this is about the pocket one")
+_domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use, and this test is for the pocket one")
 
 REACH, PEERS = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"
 

@@ -200,7 +200,7 @@ print("whole", flush=True)
         (1_000, 0.0003, 10**6, "subscription.execute()"),
         (300, 0.002, 10, "node.get_node_names(), node.get_publishers_info_by_topic('/rosout')"),
     ],
-    ids=["a message is taken", "the graph is looked at"],
+    ids=["while taking a message", "while reading the graph"],
 )
 def test_an_interrupt_is_raised_and_does_not_crash(start, rounds, seconds, turns, work):
     process = start(INTERRUPTED.format(rounds=rounds, seconds=seconds, turns=turns, work=work))

@@ -32,7 +32,7 @@ rclpy.spin(node)
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
-    pytest.skip("TANK_REAL_ROS2 is not set: a command that runs another one with ROS 2", allow_module_level=True)
+    pytest.skip("TANK_REAL_ROS2 is not set to a command that runs other commands on ROS 2", allow_module_level=True)
 if not folder.is_complete(folder.prefix()):
     pytest.skip(f"the folder of the real ROS 2 is not filled. {folder.how_to_get_it()}", allow_module_level=True)
 

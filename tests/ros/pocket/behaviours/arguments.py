@@ -10,13 +10,13 @@ rclpy.init(args=["--ros-args", "-r"])
 # %% no parameter after -p
 rclpy.init(args=["--ros-args", "-p"])
 
-# %% half a parameter
+# %% an incomplete parameter
 rclpy.init(args=["--ros-args", "-p", "a"])
 
-# %% a log level that there is not
+# %% an unknown log level
 rclpy.init(args=["--ros-args", "--log-level", "loud"])
 
-# %% a log level in capitals
+# %% a log level in capital letters
 rclpy.init(args=["--ros-args", "--log-level", "arguments_capitals:=DEBUG"])
 logger = logging.get_logger("arguments_capitals")
 print(logger.get_effective_level().name, logger.debug("shown"))
@@ -25,7 +25,7 @@ print(logger.get_effective_level().name, logger.debug("shown"))
 for flag in ("-e", "--log-config-file", "--log-file-name", "--log-level"):
     attempt(Context().init, ["--ros-args", flag])
 
-# %% a file that configures the logs, where nothing is configured
+# %% a log configuration file that is ignored
 c = Context()
 c.init(["--ros-args", "--log-config-file", "x"], initialize_logging=False)
 print(c.ok(), Node("t", context=c, cli_args=["--ros-args", "--log-config-file", "x"]).get_name())
@@ -38,9 +38,9 @@ rclpy.shutdown()
 n.get_logger().info("shown after the shutdown")
 start().get_logger().info("shown in the next start")
 
-# %% logs on stdout, after all
+# %% logs on stdout again
 start("--disable-stdout-logs", "--enable-stdout-logs").get_logger().info("shown")
 
-# %% no logs of a node alone
+# %% no logs of a single node
 n = rclpy.create_node("t", cli_args=["--ros-args", "--disable-stdout-logs"]) if rclpy.init(args=[]) is None else None
 n.get_logger().info("shown")

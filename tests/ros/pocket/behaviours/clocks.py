@@ -3,7 +3,7 @@ clock, slept = n.get_clock(), []
 
 
 def sleep_until(seconds):
-    """Sleep on a thread of its own, and return that thread."""
+    """Sleep on a new thread, and return that thread."""
     until = Time(seconds=seconds, clock_type=ClockType.ROS_TIME)
     thread = threading.Thread(target=lambda: slept.append(clock.sleep_until(until)))
     thread.start()
@@ -11,7 +11,7 @@ def sleep_until(seconds):
     return thread
 
 
-# %% a sleep until simulated time has come
+# %% a sleep until a simulated time
 sleeper = sleep_until(5)
 clock.set_ros_time_override(Time(seconds=4))
 threading.Event().wait(0.2)

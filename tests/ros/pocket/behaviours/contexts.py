@@ -1,4 +1,4 @@
-# %% a context that fails within
+# %% an exception within a context
 c = Context()
 try:
     with c:
@@ -7,7 +7,7 @@ except ValueError as error:
     print(repr(error), c.ok())
 
 
-# %% a context calls back at its shutdown, but no method of what is gone
+# %% a context's shutdown calls callbacks, but no methods of deleted objects
 class Caller:
     def __init__(self, name):
         self.name = name

@@ -1,4 +1,4 @@
-# %% a callback that fails
+# %% a failing callback
 f = Future()
 calls = []
 f.add_done_callback(lambda future: 1 / 0)

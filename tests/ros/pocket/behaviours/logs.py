@@ -3,7 +3,7 @@ logger = logging.get_logger("every")
 logger.set_level(logging.LoggingSeverity.DEBUG)
 print([log("text") for log in (logger.debug, logger.info, logger.warn, logger.warning, logger.error, logger.fatal)])
 
-# %% a level drops what is below
+# %% a level drops lower severities
 logger = logging.get_logger("drops")
 logger.set_level(logging.LoggingSeverity.ERROR)
 print(logger.info("hidden"), logger.warning("hidden"), logger.error("shown"), logger.fatal("shown"))
@@ -12,15 +12,15 @@ print(logger.info("hidden"), logger.warning("hidden"), logger.error("shown"), lo
 logger = logging.get_logger("once")
 print([logger.info(f"line {number}", once=True) for number in range(3)])
 
-# %% a line not the first time
+# %% a line skipped the first time
 logger = logging.get_logger("skipped")
 print([logger.info(f"line {number}", skip_first=True) for number in range(3)])
 
-# %% a line not too often
+# %% a throttled line
 logger = logging.get_logger("throttled")
 print([logger.info(f"line {number}", throttle_duration_sec=1e9) for number in range(3)])
 
-# %% a line not the first time, and once
+# %% a line skipped the first time, then once
 logger = logging.get_logger("both")
 print([logger.info(f"line {number}", skip_first=True, once=True) for number in range(4)])
 
@@ -36,11 +36,11 @@ for level in (40, 20):
     logger.set_level(level)
     print(logger.info(f"at {level}", once=True))
 
-# %% options that say no
+# %% options set to False
 logger = logging.get_logger("no")
 print([logger.info(f"line {number}", once=False, skip_first=False) for number in range(2)])
 
-# %% a severity changes
+# %% changing severities
 logger = logging.get_logger("changes")
 
 
@@ -52,7 +52,7 @@ print(log(20))
 attempt(log, 30)
 attempt(log, 20, name="other")
 
-# %% filters change
+# %% changing filters
 logger = logging.get_logger("filters")
 
 
@@ -81,7 +81,7 @@ n = start(namespace="/Tank")
 n.get_logger().info("text")
 n.get_logger().get_child("part").warning("text")
 
-# %% loggers without a start
+# %% loggers before and after a start
 print(logging.get_logger("early").info("before"))
 rclpy.init(args=[])
 rclpy.shutdown()

@@ -3,7 +3,7 @@ from rcl_interfaces.msg import ParameterEvent, SetParametersResult
 n = start()
 
 
-# %% callbacks before, at and after a change
+# %% callbacks before, during and after a change
 def names(parameters):
     return [(parameter.name, parameter.value) for parameter in parameters]
 
@@ -47,7 +47,7 @@ for number in range(4):
     n.add_post_set_parameters_callback(lambda parameters, number=number: print("after", number))
 attempt(n.declare_parameter, "a", 1)
 
-# %% a callback that leaves nothing to set
+# %% a callback that removes all parameters
 n.declare_parameter("a", 1)
 n.add_pre_set_parameters_callback(lambda parameters: [])
 print(n.set_parameters([Parameter("a", value=2)]), n.set_parameters_atomically([Parameter("a", value=2)]))

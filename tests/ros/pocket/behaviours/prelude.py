@@ -1,4 +1,4 @@
-"""What every behaviour begins with: the names that it uses."""
+"""The beginning of every behaviour: imports and helpers."""
 
 import math
 import re
@@ -36,14 +36,14 @@ from std_msgs.msg import Bool, ByteMultiArray, ColorRGBA, Empty, Float32, Header
 
 
 def start(*ros_args, name="t", **options):
-    """Start ROS 2 anew with these ROS arguments, and return a node."""
+    """Restart ROS 2 with these ROS arguments, and return a node."""
     rclpy.try_shutdown()
     rclpy.init(args=["--ros-args", *ros_args])
     return rclpy.create_node(name, **options)
 
 
 def attempt(call, *args, **options):
-    """Print what a call returns or raises, without the lines of rcl's source that an error names."""
+    """Print a call's result or exception, without the lines of rcl's source in its text."""
     try:
         print(call(*args, **options))
     except Exception as error:
@@ -51,7 +51,7 @@ def attempt(call, *args, **options):
 
 
 def raised(call, *args):
-    """Return what kind of exception a call raises: where the pocket ROS 2 has words of its own."""
+    """Return the type of a call's exception, if the pocket ROS 2 words it differently."""
     try:
         call(*args)
     except Exception as error:
@@ -59,6 +59,6 @@ def raised(call, *args):
 
 
 def wait(node, condition):
-    """Spin a node until something is so."""
+    """Spin a node until a condition holds."""
     while not condition():
         rclpy.spin_once(node, timeout_sec=0.01)

@@ -1,4 +1,4 @@
-# %% a profile whose depth does not matter
+# %% a profile whose depth is ignored
 with warnings.catch_warnings(record=True) as said:
     warnings.simplefilter("always")
     QoSProfile(depth=0)

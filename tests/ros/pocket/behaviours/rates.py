@@ -14,7 +14,7 @@ attempt(rate.sleep)
 rclpy.shutdown()
 thread.join(30)
 
-# %% a rate that is destroyed wakes up who sleeps, with and without a timer
+# %% destroying a rate wakes up its sleeper, with and without a timer
 slow = n.create_rate(0.001)
 sleeper = threading.Thread(target=attempt, args=(slow.sleep,))
 sleeper.start()
@@ -23,7 +23,7 @@ slow.destroy()
 sleeper.join(30)
 print(sleeper.is_alive())
 
-# %% a shutdown wakes up who sleeps
+# %% a shutdown wakes up a sleeper
 slow = n.create_rate(0.001)
 sleeper = threading.Thread(target=attempt, args=(slow.sleep,))
 sleeper.start()

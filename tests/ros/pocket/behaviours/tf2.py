@@ -5,14 +5,14 @@ from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 
 def transform(parent, child, x):
-    """A transform from one frame to another."""
+    """Return a transform from one frame to another."""
     stamped = TransformStamped(child_frame_id=child)
     stamped.header.frame_id, stamped.transform.translation.x = parent, x
     return stamped
 
 
 def hear(topic, durability=DurabilityPolicy.VOLATILE):
-    """The messages on a topic, as lists of parent, child and x."""
+    """Return a list of the messages on a topic, as lists of (parent, child, x)."""
     heard = []
 
     def write(message):
@@ -22,7 +22,7 @@ def hear(topic, durability=DurabilityPolicy.VOLATILE):
     return heard
 
 
-# %% what transforms are published with
+# %% the publishers of transforms
 for broadcaster in (
     TransformBroadcaster(n),
     StaticTransformBroadcaster(n),
@@ -32,7 +32,7 @@ for broadcaster in (
 ):
     print(broadcaster.pub_tf.topic_name, broadcaster.pub_tf.msg_type.__name__, broadcaster.pub_tf.qos_profile)
 
-# %% transforms that change
+# %% changing transforms
 broadcaster, heard = TransformBroadcaster(n), hear("/tf")
 wait(n, lambda: broadcaster.pub_tf.get_subscription_count())
 broadcaster.sendTransform(transform("world", "tank", 1.0))
@@ -42,7 +42,7 @@ broadcaster.sendTransform([])
 wait(n, lambda: len(heard) == 4)
 print(heard)
 
-# %% transforms that stay, for who comes late
+# %% static transforms for a late subscriber
 broadcaster = StaticTransformBroadcaster(n)
 broadcaster.sendTransform(transform("world", "map", 1.0))
 broadcaster.sendTransform([transform("map", "odom", 2.0), transform("world", "map", 3.0)])
@@ -50,7 +50,7 @@ heard = hear("/tf_static", DurabilityPolicy.TRANSIENT_LOCAL)
 wait(n, lambda: heard)
 print(heard, len(broadcaster.net_message.transforms))
 
-# %% what is no transform
+# %% arguments that are not transforms
 for broadcaster in (TransformBroadcaster(n), StaticTransformBroadcaster(n)):
     print([bool(raised(broadcaster.sendTransform, what)) for what in (None, 3, TFMessage(), [3])])
 print(raised(TransformBroadcaster, None), raised(TransformBroadcaster, n, "5"))
