@@ -1,9 +1,9 @@
-// Drives the page's tank without a browser: the arguments are the folder of its files, and where the sticks are in each
-// 20 ms. It prints where everything is in the end, and how long it took [s].
+// Drive the page's tank without a browser. The arguments are the folder with the page's files, and the sticks' positions,
+// one for each 20 ms. Print the final positions, and the time that it took [s].
 
 import {readFileSync} from "node:fs";
 import {pathToFileURL} from "node:url";
-process.on("uncaughtException", ({message}) => {  // without the line of Pyodide's that it comes from, which is a megabyte long
+process.on("uncaughtException", ({message}) => {  // without Pyodide's line of source, which is a megabyte long
   console.error(message);
   process.exit(1);
 });
