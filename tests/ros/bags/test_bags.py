@@ -160,16 +160,16 @@ def test_after_the_longest_duration_a_new_file_begins(tmp_path, storage):
     assert told["duration"]["nanoseconds"] == 99 * STEP
     (tmp_path / "bag" / f"bag_2{SUFFIXES[storage]}").unlink()
     found, damage = read(tmp_path / "bag")
-    assert "metadata.yaml tells of 100 messages, and 75 are there" in damage
+    assert "metadata.yaml lists 100 messages, but the bag has 75" in damage
     assert found == written[:50] + written[75:]
 
 
 def test_nothing_is_overwritten(tmp_path):
     (tmp_path / "bag").mkdir()
-    with pytest.raises(TutorialError, match="a bag overwrites nothing"):
+    with pytest.raises(TutorialError, match="recording overwrites nothing"):
         BagWriter(tmp_path / "bag")
     assert list((tmp_path / "bag").iterdir()) == []
-    with pytest.raises(TutorialError, match="is no UTF-8"):
+    with pytest.raises(TutorialError, match="is not UTF-8"):
         BagWriter(tmp_path / "bad\udcff")
     assert [path.name for path in tmp_path.iterdir()] == ["bag"]
 
@@ -210,7 +210,7 @@ def test_a_compressed_chunk_is_read_whole_and_in_part(tmp_path, name, pack):
     (tmp_path / "x.mcap").write_bytes(whole)
     found, damage = read(tmp_path / "x.mcap")
     assert found == written
-    assert "compressed by 'rar'" in damage, "and reading goes on after that chunk"
+    assert "compressed with 'rar'" in damage, "and reading goes on after that chunk"
     (tmp_path / "x.mcap").write_bytes(whole[:-20])
     found, damage = read(tmp_path / "x.mcap")
     assert found == written[: len(found)]
@@ -238,13 +238,13 @@ def test_damaged_bytes_give_at_worst_a_clear_error(tmp_path, storage):
     ("data", "said"),
     [
         (b"", "it is empty"),
-        (b"\x00\x01 anything", "it begins with '00 01 20 61 6e 79 74 68', not as an MCAP file does"),
-        (HEADER + record(5, size=2**62), "the most that is read"),
+        (b"\x00\x01 anything", "it begins with '00 01 20 61 6e 79 74 68', unlike an MCAP file"),
+        (HEADER + record(5, size=2**62), "bytes; at most"),
         (HEADER + record(0x7E, size=2**62), "in the middle of a record"),
-        (HEADER + chunk(2**62, b""), "the most that is read"),
+        (HEADER + chunk(2**62, b""), "bytes; at most"),
         (HEADER + 200 * chunk(1000, BOMB), "end is missing"),
         (HEADER + chunk(1000, b"no zstd at all"), "cannot be unpacked"),
-        (HEADER + chunk(1000, b"x", b"rar\x1b"), r"compressed by 'rar\x1b'"),
+        (HEADER + chunk(1000, b"x", b"rar\x1b"), r"compressed with 'rar\x1b'"),
         (HEADER + record(4, b"\1\0\1\0\xff\xff\xff\xff/a"), "a record in it cannot be read"),
     ],
     ids=lambda value: "" if isinstance(value, bytes) else value,
@@ -278,7 +278,7 @@ ENDLESS = """CREATE VIEW messages AS
         ("CREATE TABLE x(y)", "no such table: topics"),
         (
             f"{TABLES}INSERT INTO messages VALUES (1, 1, 'now', 2), (2, 1, -5, 2), (3, 7, 0, x'00')",
-            "a row in it is no message",
+            "a row in it is not a message",
         ),
         (f"{TABLES}DROP TABLE messages; {ENDLESS}", "not authorized"),
         (f"{TABLES}INSERT INTO messages VALUES (1, 1, 0, zeroblob({2**27 + 1}))", "string or blob too big"),
@@ -310,7 +310,7 @@ def test_an_unknown_type_matters_only_if_it_has_messages(tmp_path):
     ("channel", "said"),
     [
         (Channel("/alien", "alien_msgs/msg/X"), "The message type 'alien_msgs/msg/X' is invalid"),
-        (Channel("/alien", STRING, encoding="json"), "the messages on /alien are 'json', and not 'cdr'"),
+        (Channel("/alien", STRING, encoding="json"), "the messages on /alien are 'json', not 'cdr'"),
     ],
     ids=["type", "encoding"],
 )
@@ -466,7 +466,7 @@ def test_mcap_profiles(tmp_path, profile):
 
 def test_refuses_other_encodings(tmp_path):
     bag = make(tmp_path / "bag", b"{'data': 1}", channels=[Channel("/said", STRING, encoding="json")])
-    with pytest.raises(TutorialError, match="the messages on /said are 'json', and not 'cdr'"):
+    with pytest.raises(TutorialError, match="the messages on /said are 'json', not 'cdr'"):
         list(bag.messages(["/said"]))
 
 

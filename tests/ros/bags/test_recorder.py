@@ -155,10 +155,10 @@ def test_a_full_disk_ends_the_recording_with_advice(nodes, publisher, tmp_path, 
     until(lambda: recorder.error is not None, "the error")
     publish(recorder, publisher, payloads(10))
     until(lambda: recorder.lost >= 10, "the losses")
-    with pytest.raises(TutorialError, match=r"No space left on device\. .*Make room, or record to another disk"):
+    with pytest.raises(TutorialError, match=r"No space left on device\. .*Free some space, or record to a differ"):
         recorder.close()
     assert recorded(recorder.path) == payloads(10)
-    assert [record.message for record in caplog.records if "cannot be written any more" in record.message]
+    assert [record.message for record in caplog.records if "can no longer be written" in record.message]
 
 
 def test_the_queue_for_a_slow_disk_is_bounded_and_losses_are_reported(nodes, publisher, tmp_path, caplog, monkeypatch):

@@ -1,4 +1,4 @@
-"""Bags: what went over topics, kept in files that ``ros2 bag`` reads and writes, too. Nothing here prints."""
+"""Record, read and play bags, in files that ``ros2 bag`` reads and writes, too. Nothing here prints."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ WITH_RCLPY = {"Player": "player", "Recorder": "recorder"}
 
 
 def __getattr__(name: str) -> Any:
-    """Import a class that needs rclpy when it is first used."""
+    """Import a class that needs rclpy on first use."""
     if name not in WITH_RCLPY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{WITH_RCLPY[name]}"), name)

@@ -1,4 +1,4 @@
-"""A bag that is read: which topics it has, and their messages, as far as it goes."""
+"""Read a bag's topics and messages, as far as possible if the bag is damaged."""
 
 import logging
 import re
@@ -22,23 +22,23 @@ from tutorial.ros.topics.names import escape_name, message_class
 from tutorial.system.paths import is_file, is_folder
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
-MOST_FAULTS = 5  # of a bag, that are told
-CDR_HEAD = 4  # bytes that every payload begins with
-ZSTD_HEAD = b"\x28\xb5\x2f\xfd"  # of a payload that ros2 bag has compressed
+MOST_FAULTS = 5  # maximum number of faults to report
+CDR_HEAD = 4  # bytes at the start of every payload
+ZSTD_HEAD = b"\x28\xb5\x2f\xfd"  # start of a payload that ros2 bag has compressed
 
 _log = logging.getLogger(__name__)
 
 
 class BagTopic(NamedTuple):
-    """A topic of a bag: its full name, its type such as ``"sensor_msgs/msg/Joy"``, and how many messages it has."""
+    """A topic of a bag: its full name, its type such as ``"sensor_msgs/msg/Joy"``, and its number of messages."""
 
     name: str
     type: str
-    count: int  # type: ignore[assignment]  # no tuple's method here
+    count: int  # type: ignore[assignment]  # hides tuple.count
 
 
 class _Information(msgspec.Struct):
-    """What is read of a bag's ``metadata.yaml``: the rest is in its files, too."""
+    """The fields that are read from a bag's ``metadata.yaml``: its files contain the rest, too."""
 
     message_count: int | None = None
     compression_mode: str = ""
@@ -50,18 +50,18 @@ class _Metadata(msgspec.Struct):
 
 
 class Bag:
-    """A bag, of ``tank bag record`` or of ``ros2 bag record``; one that was cut off is read as far as it goes.
+    """A bag recorded by ``tank bag record`` or ``ros2 bag record``; a damaged one is read as far as possible.
 
     Args:
-        path: the bag's folder, or one of its files, MCAP or SQLite.
+        path: the bag's folder or one of its files, MCAP or SQLite.
 
     Attributes:
-        path: the same.
+        path: as given.
         files: its files, in order.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        distro: which ROS 2 has written it, such as ``"jazzy"``; empty where it doesn't say.
-        channels: what is known of its topics, by name.
-        start, end: when the first and the last message was received, since 1970 [ns]; 0 without messages.
+        distro: the ROS 2 distribution that wrote it, such as ``"jazzy"``; empty if unknown.
+        channels: descriptions of its topics, by name.
+        start, end: when the first and the last message were received, since 1970 [ns]; 0 without messages.
 
     Raises:
         TutorialError: there is no bag, or nothing in it can be read.
@@ -86,37 +86,37 @@ class Bag:
             self.channels = {channel.topic: channel for channel in reader.channels.values()} | self.channels
         self.start, self.end = span.start, span.end
         if told.message_count not in (None, span.count):
-            self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
+            self._say(f"metadata.yaml lists {told.message_count:,} messages, but the bag has {span.count:,}")
 
     @property
     def topics(self) -> list[BagTopic]:
-        """Its topics, in the order of their names."""
+        """The bag's topics, sorted by name."""
         return [BagTopic(name, self.channels[name].type_name, self._counts[name]) for name in sorted(self.channels)]
 
     @property
     def duration(self) -> float:
-        """From the first message to the last one [s]."""
+        """Time from the first message to the last one [s]."""
         return (self.end - self.start) / 1e9
 
     @property
     def size(self) -> int:
-        """Of all its files [bytes]."""
+        """Total size of its files [bytes]."""
         told = self.path / "metadata.yaml"
         return sum(file.stat().st_size for file in (*self.files, *[told] * is_file(told)))
 
     @property
     def damage(self) -> str:
-        """A sentence that says what is missing or wrong, as far as the bag has been read; empty when nothing is."""
+        """A sentence about what is missing or wrong in the parts read so far; empty if nothing is."""
         if not self._faults:
             return ""
         first, more = list(self._faults)[:MOST_FAULTS], "; and others" if len(self._faults) > MOST_FAULTS else ""
         return f"This bag is damaged, and is read as far as it goes: {'; '.join(first)}{more}."
 
     def channel(self, topic: str) -> Channel:
-        """Return what is known of a topic.
+        """Return the description of a topic.
 
         Args:
-            topic: its name. The leading slash is optional, and may be missing in the bag, too.
+            topic: its name. The leading slash is optional, and can be missing in the bag, too.
 
         Raises:
             TutorialError: there is no such topic.
@@ -128,13 +128,13 @@ class Bag:
         raise TutorialError(f"there is no topic '{escape_name(topic)}' in this bag.{did_you_mean(topic, known)}")
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, Any]]:
-        """Yield the messages in the order in which they were received: (topic, time [ns], message).
+        """Yield the messages in order of receipt: (topic, time [ns], message).
 
         Args:
-            topics: only those; None for all whose types are known here. A warning names each of the other topics.
+            topics: the topics to read; None for all whose types are known here. A warning names each omitted topic.
 
         Raises:
-            TutorialError: there is no such topic, or its messages are of a type that is not known here, or not in CDR.
+            TutorialError: there is no such topic, its type is not known here, or its messages are not in CDR.
         """
         from rclpy.serialization import deserialize_message  # noqa: PLC0415 - `tank bag info` works without rclpy
 
@@ -150,17 +150,17 @@ class Bag:
         for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])
-            except Exception as error:  # noqa: BLE001 - a real rclpy raises of many kinds
+            except Exception as error:  # noqa: BLE001 - a real rclpy raises many kinds of exceptions
                 self._say(f"a message on {escape_name(name)} cannot be decoded: {printable(str(error))[:200]}")
                 continue
             yield name, time, message
 
     def raw_messages(self, topics: Collection[str] | None = None, start_offset: float = 0.0) -> Iterator[RawMessage]:
-        """Yield the messages as they travelled, in CDR.
+        """Yield the messages without decoding them, in CDR.
 
         Args:
-            topics: only those; None for all.
-            start_offset: how much to leave out at the beginning [s].
+            topics: the topics to read; None for all.
+            start_offset: time to skip at the beginning [s].
 
         Raises:
             TutorialError: there is no such topic.
@@ -178,7 +178,7 @@ class Bag:
                     yield name, time, payload
 
     def _unpacked(self, topic: str, packed: bytes) -> bytes | None:
-        """Unpack a message; None where it is damaged or too large."""
+        """Decompress a message; return None if it is damaged or too large."""
         unpacker = zstd.ZstdDecompressor()
         try:
             payload = unpacker.decompress(packed, max_length=LARGEST_MESSAGE)
@@ -191,7 +191,7 @@ class Bag:
         return None
 
     def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
-        """Yield the messages in the order of time. One that was written late, by no more than a batch, is put there."""
+        """Yield the messages sorted by time. A message written up to one batch too late is put in its place."""
         waiting: list[RawMessage] = []
         for batch in chain.from_iterable(reader.batches(since) for reader in self._readers):
             found = list(batch)
@@ -201,7 +201,7 @@ class Bag:
         yield from waiting
 
     def _opened(self, file: Path) -> McapReader | SqliteReader | None:
-        """Look into a file; None where nothing can be read."""
+        """Open a file; return None if nothing in it can be read."""
         name = escape_name(file.name)
         try:
             if what := foreign(file):
@@ -217,7 +217,7 @@ class Bag:
         self._faults.setdefault(fault)
 
     def _find(self) -> tuple[list[Path], _Information]:
-        """Find the bag's files, and hold them against what its metadata say."""
+        """Return the bag's files and its metadata."""
         if is_file(self.path):
             if what := foreign(self.path):
                 raise TutorialError(f"{_named(self.path)} is not a bag: {what}.")
@@ -244,8 +244,8 @@ class Bag:
             return msgspec.convert(read_yaml(path.read_bytes()), _Metadata).rosbag2_bagfile_information
         except (OSError, msgspec.ValidationError) as error:
             self._say(f"metadata.yaml: {printable(str(error))}")
-        except Exception:  # noqa: BLE001 - what a stranger has written may be anything
-            self._say("metadata.yaml: it is no YAML")
+        except Exception:  # noqa: BLE001 - invalid text can raise anything
+            self._say("metadata.yaml: it is not valid YAML")
         return _Information()
 
 
@@ -258,12 +258,12 @@ def _class_of(channel: Channel) -> Any:
     found = message_class(channel.type_name)
     if channel.encoding != "cdr":
         encoding, topic = escape_name(channel.encoding), escape_name(channel.topic)
-        raise TutorialError(f"the messages on {topic} are '{encoding}', and not 'cdr'")
+        raise TutorialError(f"the messages on {topic} are '{encoding}', not 'cdr'")
     return found
 
 
 def _number(path: Path) -> tuple[int, str]:
-    """Where a file stands in its bag: the 10th behind the 9th."""
+    """Return a key that sorts a bag's files by number: 10 after 9."""
     found = re.search(r"_(\d{1,9})$", path.stem)
     return (int(found[1]) if found else 0), path.name
 

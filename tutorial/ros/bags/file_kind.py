@@ -1,4 +1,4 @@
-"""What a file is, judged by its first bytes: a bag's file, or one that is often found in its place."""
+"""Identify a file by its first bytes: a bag's file, or one that is often given by mistake."""
 
 import shlex
 from pathlib import Path
@@ -7,7 +7,7 @@ from tutorial.errors import printable
 
 HEAD = 512  # bytes, enough for every kind
 SUFFIXES = {b"\x89MCAP0\r\n": ".mcap", b"SQLite format 3\0": ".db3"}
-"""What each kind of bag file begins with, and how its name usually ends."""
+"""First bytes of each kind of bag file, and the usual suffix of its name."""
 
 ROS_1 = "it is a bag of ROS 1. Convert it to ROS 2: rosbags-convert --src {name} --dst {stem}"
 FOREIGN = {
@@ -25,7 +25,7 @@ FOREIGN = {
     b"PK\x03\x04": "it is a zip archive. Unpack it first",
     b"7z\xbc\xaf\x27\x1c": "it is a 7z archive. Unpack it first",
 }
-"""What other files begin with, what they are, and what to do."""
+"""First bytes of other files, what they are, and what to do."""
 
 UNKNOWN = "it is neither an MCAP file nor an SQLite file"
 TAR_AT, TAR = 257, b"ustar"
@@ -33,7 +33,7 @@ WEB_PAGE = ("<!doctype html", "<html")
 
 
 def suffix_of(path: Path) -> str:
-    """Return ``".mcap"`` or ``".db3"``, by a file's content or else by its name; ``""`` if neither fits."""
+    """Return ``".mcap"`` or ``".db3"``, from a file's content or else from its name; ``""`` if neither fits."""
     try:
         head = _head(path)
     except OSError:
@@ -43,7 +43,7 @@ def suffix_of(path: Path) -> str:
 
 
 def foreign(path: Path) -> str:
-    """Explain what a file is if it is not a bag's, and what to do; return ``""`` for a bag's file, damaged or not."""
+    """Explain what a file is, and what to do; return ``""`` if it is a bag's file, damaged or not."""
     try:
         head = _head(path)
     except OSError as error:
@@ -60,7 +60,7 @@ def foreign(path: Path) -> str:
 
 def _text(head: bytes) -> str:
     try:
-        text = head.decode(errors="ignore" if len(head) == HEAD else "strict")  # it may end within a character
+        text = head.decode(errors="ignore" if len(head) == HEAD else "strict")  # the head may end within a character
     except UnicodeDecodeError:
         return ""
     if text.lstrip().lower().startswith(WEB_PAGE):

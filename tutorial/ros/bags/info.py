@@ -1,4 +1,4 @@
-"""What a bag holds, in the lines of ``ros2 bag info``."""
+"""Describe a bag as ``ros2 bag info`` does."""
 
 import time
 
@@ -11,7 +11,7 @@ UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 
 
 def bag_info(bag: Bag) -> str:
-    """Return what ``ros2 bag info`` prints; the topics are in the order of their names."""
+    """Return what ``ros2 bag info`` prints, with the topics sorted by name."""
     topics = [
         f"Topic: {escape_name(topic.name)} | Type: {escape_name(topic.type)} | Count: {topic.count} | "
         f"Serialization Format: {escape_name(bag.channels[topic.name].encoding)}"
@@ -33,7 +33,7 @@ def bag_info(bag: Bag) -> str:
 
 
 def _size(count: float) -> str:
-    """Write a size in the largest unit that fits; bytes have no decimal."""
+    """Format a size in the largest unit that fits; bytes have no decimals."""
     power = 0
     while count >= 1024 and power < len(UNITS) - 1:
         count, power = count / 1024, power + 1
@@ -46,7 +46,7 @@ def _seconds(nanoseconds: int) -> str:
 
 
 def _moment(nanoseconds: int) -> str:
-    """Write a time as the day and the hour here, and as seconds since 1970."""
+    """Format a time as local date and time, and as seconds since 1970."""
     local = time.localtime(min(nanoseconds // 10**9, 2**35))
     text = time.strftime("%b %e %Y %H:%M:%S", local)
     return f"{text}.{nanoseconds % 10**9:09d} ({_seconds(nanoseconds)})"

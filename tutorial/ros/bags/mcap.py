@@ -1,8 +1,8 @@
-"""MCAP files, as ``ros2 bag`` writes them by default (https://mcap.dev/spec).
+"""Read and write MCAP files, the default format of ``ros2 bag`` (https://mcap.dev/spec).
 
-A file is a sequence of records. Messages are gathered in chunks; behind the last one a summary repeats what is in the
-file. The package mcap reads and writes single records. Its reader of files, and that of rosbags, need a file that is
-whole; ours also reads what a killed program or a spoilt disk has left.
+A file is a sequence of records. Messages are grouped in chunks, and a summary of the file follows the last one. The
+package mcap reads and writes single records. Its reader of files, like that of rosbags, needs a complete file; the one
+here also reads what a killed program or a failing disk has left.
 """
 
 import struct
@@ -24,9 +24,9 @@ from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage
 
-CHUNK_SIZE = 768 * 1024  # [bytes], as ros2 bag's
-LARGEST_RECORD = LARGEST_MESSAGE + 64  # with what stands before the messages [bytes]
-HEAD = struct.Struct("<BQ")  # of a record: its kind and its length
+CHUNK_SIZE = 768 * 1024  # [bytes], as in ros2 bag
+LARGEST_RECORD = LARGEST_MESSAGE + 64  # [bytes], including the fields before the messages
+HEAD = struct.Struct("<BQ")  # start of a record: its kind and its length
 
 KINDS: dict[int, Any] = {
     Opcode.FOOTER: records.Footer,
@@ -35,40 +35,40 @@ KINDS: dict[int, Any] = {
     Opcode.MESSAGE: records.Message,
     Opcode.CHUNK: records.Chunk,
 }
-"""Of records that are read; the others are passed over."""
+"""Classes of the records that are read, by opcode; other records are skipped."""
 
 DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {
     "": lambda data, size: data[:size],
     "zstd": lambda data, size: zstd.ZstdDecompressor().decompress(data, max_length=size),
     "lz4": lambda data, size: LZ4FrameDecompressor().decompress(data, max_length=size),
 }
-"""Those that stop at a given length: the package's own do not."""
+"""Decompressors that stop at a given length, unlike those of the package mcap."""
 
 CUT_CHUNK = "a chunk in it is incomplete"
 CUT_OFF = "it ends in the middle of a record"
-UNREADABLE = (EndOfFile, struct.error, UnicodeDecodeError, OverflowError)  # what is raised of a spoilt record
+UNREADABLE = (EndOfFile, struct.error, UnicodeDecodeError, OverflowError)  # raised for a damaged record
 
 
 class McapWriter:
-    """Writes an MCAP file. One thread.
+    """Writes an MCAP file. Use it on a single thread.
 
     Args:
-        path: the file, which must not be there.
+        path: the file, which must not exist.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("xb")
         self._writer = Writer(self._file, CHUNK_SIZE, CompressionType.NONE)
-        self._schemas: dict[str, int] = {}  # ids by type
-        self._ids: dict[str, int] = {}  # by topic
+        self._schemas: dict[str, int] = {}  # schema ids by type
+        self._ids: dict[str, int] = {}  # channel ids by topic
         self._writer.start("ros2", "tank-tutorial")
         self._writer.flush()
 
     def add_channel(self, channel: Channel) -> None:
-        """Make a topic known before its first message."""
+        """Register a topic before its first message."""
         kind = channel.type_name
         if kind not in self._schemas:
             self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", channel.definition.encode())
@@ -77,15 +77,15 @@ class McapWriter:
         self._ids[topic] = self._writer.register_channel(topic, channel.encoding, self._schemas[kind], words)
 
     def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:
-        """Write a message; it is in the file after `flush`."""
+        """Write a message; it is in the file after `flush`, if not before."""
         self._writer.add_message(self._ids[topic], received_ns, payload, sent_ns)
 
     def flush(self) -> None:
-        """Write the messages so far as a chunk, with its index behind it."""
+        """Write the messages so far as a chunk, followed by its index."""
         self._writer.flush()
 
     def close(self, metadata: str) -> None:
-        """Write what is left, the bag's metadata and the summary."""
+        """Write the remaining messages, the bag's metadata and the summary."""
         with self._file:
             self._writer.flush()
             self._writer.add_metadata("rosbag2", {"serialized_metadata": metadata})
@@ -93,26 +93,26 @@ class McapWriter:
 
 
 class McapReader:
-    """Reads an MCAP file, as far as it goes; it is open only while messages are read.
+    """Reads an MCAP file, as far as possible if it is damaged; the file is open only while messages are read.
 
     Args:
         path: the file.
-        say: is called with what is wrong with the file, when it is found; each is the end of a sentence.
+        say: called with each fault in the file when it is found; the text is the end of a sentence.
 
     Attributes:
-        channels: its topics by their ids, as far as it has been read.
+        channels: its topics by id, as far as it has been read.
 
     Raises:
-        CorruptBagError: it is no such file.
-        OSError: it cannot be read.
+        CorruptBagError: the file is not an MCAP file.
+        OSError: the file cannot be read.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
         self.channels: dict[int, Channel] = {}
         self._path = path
         self._say = say
-        self._types: dict[int, str] = {}  # names by the schema's id
-        self._end = path.stat().st_size  # of the records
+        self._types: dict[int, str] = {}  # names by schema id
+        self._end = path.stat().st_size  # where the records end
         with path.open("rb") as file:
             self._check_begin(file)
             end = file.seek(self._end - len(MCAP0_MAGIC))
@@ -126,9 +126,9 @@ class McapReader:
                     self._take(record)
 
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
-        """Yield the messages of each chunk, but for those chunks that end before a time [ns].
+        """Yield the messages of each chunk, except for chunks that end before a time [ns].
 
-        A message that stands outside of chunks is one of its own.
+        A message outside of a chunk is a batch of its own.
         """
         try:
             with self._path.open("rb") as file:
@@ -141,18 +141,18 @@ class McapReader:
             self._say(str(error))
 
     def _check_begin(self, file: IO[bytes]) -> None:
-        """Refuse a file of another kind. The header's profile does not matter, as some programs leave it out."""
+        """Refuse a file that is not MCAP. Ignore the header's profile, which some programs leave out."""
         begin = file.read(len(MCAP0_MAGIC))
         if begin != MCAP0_MAGIC:
-            raise CorruptBagError(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does")
+            raise CorruptBagError(f"it begins with {begin.hex(' ')!r}, unlike an MCAP file")
 
     def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
-        """Yield the records of a chunk, up to where it is cut off; none where it cannot be unpacked."""
+        """Yield the records of a chunk up to where it is cut off; none if it cannot be decompressed."""
         size, how = chunk.uncompressed_size, chunk.compression
         if size > LARGEST_MESSAGE:
-            self._say(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
+            self._say(f"a chunk in it has {size:,} bytes; at most {LARGEST_MESSAGE:,} are read")
         elif how not in DECOMPRESSORS:
-            self._say(f"a chunk in it is compressed by '{printable(how[:20])}', and not by zstd or lz4")
+            self._say(f"a chunk in it is compressed with '{printable(how[:20])}', not with zstd or lz4")
         else:
             try:
                 data = DECOMPRESSORS[how](chunk.data, size)
@@ -162,11 +162,11 @@ class McapReader:
             if len(data) < size:
                 self._say(CUT_CHUNK)
             elif chunk.uncompressed_crc not in (0, zlib.crc32(data)):
-                self._say("a chunk in it has another checksum than it had when it was written")
+                self._say("a chunk in it does not match its checksum")
             yield from self._records(BytesIO(data), 0, len(data), CUT_CHUNK)
 
     def _messages_in(self, some: Iterable[records.McapRecord]) -> Iterator[RawMessage]:
-        """Yield the messages among some records, and learn their topics."""
+        """Yield the messages among some records, and store their topics."""
         for record in some:
             if not isinstance(record, records.Message):
                 self._take(record)
@@ -176,7 +176,7 @@ class McapReader:
                 self._say("a message in it belongs to no topic")
 
     def _take(self, record: records.McapRecord) -> None:
-        """Learn a topic, or what its messages are. What was learned first holds: the file may say it again, spoilt."""
+        """Store a topic or its type's name. The first one with an id counts, because repetitions may be damaged."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
         elif isinstance(record, records.Channel):
@@ -184,7 +184,7 @@ class McapReader:
             self.channels.setdefault(record.id, Channel(record.topic, kind, record.message_encoding, qos))
 
     def _records(self, file: IO[bytes], begin: int, end: int, cut: str = CUT_OFF) -> Iterator[records.McapRecord]:
-        """Yield each record that is of interest and can be read; of a chunk that is cut off, what is there."""
+        """Yield each record of a known kind that can be read, including a chunk that is cut off."""
         while begin < end:
             file.seek(begin)
             head = file.read(HEAD.size)
@@ -192,7 +192,7 @@ class McapReader:
             begin += HEAD.size + size
             kind = KINDS.get(opcode)
             if kind and size > LARGEST_RECORD:
-                self._say(f"a record in it has {size:,} bytes, and {LARGEST_RECORD:,} are the most that is read")
+                self._say(f"a record in it has {size:,} bytes; at most {LARGEST_RECORD:,} are read")
             elif kind and (begin <= end or kind is records.Chunk):
                 words = _Words(BytesIO(file.read(size)))
                 try:
@@ -204,7 +204,7 @@ class McapReader:
 
 
 class _Words(ReadDataStream):
-    """The content of a record. Its texts may contain any bytes."""
+    """The content of a record, whose strings can contain any bytes."""
 
     def read_prefixed_string(self) -> str:
         return self.read(self.read4()).decode("utf-8", "backslashreplace")

@@ -1,4 +1,4 @@
-"""Playing: the messages of a bag are published again, at the times at which they were received."""
+"""Play a bag: publish its messages again, at the times when they were received."""
 
 import asyncio
 import heapq
@@ -23,34 +23,34 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
 CLOCK = "/clock"
-CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
-SETTLE_FOR = 0.3  # [s] that a subscription needs longer than the publisher to know of the other, on Fast DDS
-LOOP_PAUSE = 0.02  # [s] before a bag is played again: one of a single message would keep a whole core busy
-LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
-LAST_SECOND = 2**31 - 1  # that a time stamp can say
-ACKNOWLEDGED_IN = 1.0  # [s] at most
+CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # like rclcpp's ClockQoS
+SETTLE_FOR = 0.3  # [s] for a subscription to discover a publisher that has already discovered it, on Fast DDS
+LOOP_PAUSE = 0.02  # [s] before a bag is played again: one with a single message would keep a core busy
+LONGEST_WAIT = 1.0  # [s] between two progress reports
+LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
+ACKNOWLEDGED_IN = 1.0  # [s], maximum
 
 _log = logging.getLogger(__name__)
 
 
 class Player:
-    """Plays a bag: byte for byte what was recorded, with the quality of service that was offered then.
+    """Plays a bag: publishes the recorded messages byte for byte, with the QoS that was offered then.
 
     Args:
-        node: that publishes.
-        bag: what to play.
-        rate: how fast, 2 for twice as fast.
-        loop: begin anew at the end, until stopped.
-        start_offset: how much to leave out at the beginning [s].
-        topics: only those; None for all.
-        clock: how often to publish the time of the bag on ``/clock`` [Hz]; 0 for never. The bag's own ``/clock`` is
-            left out then.
+        node: the node that publishes.
+        bag: the bag to play.
+        rate: speed, 2 for twice as fast.
+        loop: start again at the end, until stopped.
+        start_offset: time to skip at the beginning [s].
+        topics: the topics to play; None for all.
+        clock: how often to publish the time of the bag on ``/clock`` [Hz], instead of the bag's own ``/clock``; 0 for
+            never.
 
     Attributes:
-        played: how many messages have been published.
+        played: number of messages published so far.
 
     Raises:
-        TutorialError: there is no such topic, nothing to play, or a number makes no sense.
+        TutorialError: there is no such topic, there is nothing to play, or a number is out of range.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Player:
             raise TutorialError(f"the rate is {rate:g}; give one above 0, such as 2 for twice as fast.")
         if not 0 <= start_offset <= bag.duration:
             raise TutorialError(
-                f"the start offset is {start_offset:g} s, and the bag is {bag.duration:.3f} s long. Begin within it."
+                f"the start offset is {start_offset:g} s, but the bag is {bag.duration:.3f} s long. Start within it."
             )
         self.played = 0
         self._node = node
@@ -83,14 +83,14 @@ class Player:
         self._refused: set[str] = set()
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
-        """Play to the end, or until stopped. It blocks, so not on a thread whose event loop runs.
+        """Play to the end, or until stopped. This blocks, so don't call it on a thread whose event loop runs.
 
-        It begins when the node graph is known, and the subscriptions that are there have met its publishers, or after
-        2 s.
+        Playing starts when the node graph is known and all existing subscriptions have discovered the publishers, or
+        after 2 s.
 
         Args:
             stop: set it to stop, from any thread.
-            progress: called with the seconds of the bag that are played.
+            progress: called with the position in the bag [s].
         """
         try:
             for topic, (kind, qos) in self._qos.items():
@@ -123,32 +123,32 @@ class Player:
             progress((time_ns - self._bag.start) / 1e9)
 
     def _ticks(self, begin: int) -> Iterator[tuple[str, int, Clock]]:
-        """Yield the time of the bag, as often as it is wanted on ``/clock``: (topic, time [ns], message)."""
+        """Yield the bag's time at the rate requested for ``/clock``: (topic, time [ns], message)."""
         if self._clock:
-            step = min(max(1.0, 1e9 * self._rate / self._clock), 1e18)  # [ns] the two may be any numbers above 0
+            step = min(max(1.0, 1e9 * self._rate / self._clock), 1e18)  # [ns]; both rates can be any positive numbers
             for time_ns in range(begin, self._bag.end + 1, round(step)):
                 seconds, rest = divmod(time_ns, 10**9)
                 yield CLOCK, time_ns, Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest))
 
     def _publish(self, topic: str, message: bytes | Clock) -> None:
-        """Publish a message; one that ROS 2 refuses, for it is not of the topic's type, is left out, and said once."""
+        """Publish a message. Skip one that ROS 2 refuses because it is not of the topic's type, and warn once."""
         try:
             self._publishers[topic].publish(message)
             self.played += topic in self._qos
         except RuntimeError as error:
             if topic not in self._refused:
                 self._refused.add(topic)
-                _log.warning("a message on %s is not played, and others like it: %s", escape_name(topic), error)
+                _log.warning("a message on %s is skipped, and so are others like it: %s", escape_name(topic), error)
 
     def _met(self) -> bool:
-        """Whether the subscriptions that are on the topics would receive what is published."""
+        """Return whether all subscriptions on the topics are matched with the publishers."""
         return all(
             publisher.get_subscription_count() >= self._node.count_subscribers(publisher.topic_name)
             for publisher in self._publishers.values()
         )
 
     def _close(self, stop: threading.Event) -> None:
-        """Take the publishers back, when what they have sent has arrived."""
+        """Destroy the publishers after their messages have been acknowledged."""
         deadline = time.monotonic() + ACKNOWLEDGED_IN
         while self._publishers:
             _, publisher = self._publishers.popitem()
@@ -158,7 +158,7 @@ class Player:
             self._node.destroy_publisher(publisher)
 
     def _playable(self, topics: Collection[str] | None) -> dict[str, tuple[Any, QoSProfile]]:
-        """Return class and quality of service of each topic that can be played, and say which cannot."""
+        """Return the class and QoS of each topic that can be played, and log a warning for each that cannot."""
         wanted = self._bag.channels if topics is None else topics
         playable = {}
         for channel in map(self._bag.channel, sorted(wanted)):
@@ -167,17 +167,17 @@ class Player:
                 if self._full_name(topic) == self._full_name(CLOCK) and self._clock:
                     continue
                 if channel.encoding != "cdr":
-                    raise TutorialError(f"its messages are {escape_name(channel.encoding)!r}, and not 'cdr'")
+                    raise TutorialError(f"its messages are {escape_name(channel.encoding)!r}, not 'cdr'")
                 playable[topic] = message_class(channel.type_name), offered(channel.qos)
             except TutorialError as error:
                 _log.warning("topic %s is not played: %s", escape_name(topic), error)
         return playable
 
     def _full_name(self, topic: str) -> str:
-        """Return the full name of one of the bag's topics; as in ros2 bag, a relative one is in the node's namespace.
+        """Return the full name of a topic in the bag; as in ros2 bag, a relative name is in the node's namespace.
 
         Raises:
-            TutorialError: the name breaks the rules for names.
+            TutorialError: the name breaks the rules.
         """
         try:
             name = full_topic(self._node, topic)

@@ -1,4 +1,4 @@
-"""The quality of service of a topic, as a bag keeps it."""
+"""Convert QoS profiles to and from the YAML text in a bag."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -23,21 +23,21 @@ SPANS = ("deadline", "lifespan", "liveliness_lease_duration")
 
 
 def qos_text(profiles: Iterable[QoSProfile]) -> str:
-    """Write what publishers offer as a bag keeps it, in YAML."""
+    """Convert the QoS that publishers offer to the YAML text that a bag stores."""
     return msgspec.yaml.encode(dump_qos_v9([_told(profile) for profile in profiles])).decode()
 
 
 def offered(text: str) -> QoSProfile:
-    """Return what to offer when a topic is played: what its publishers offered if that is the same, else the default.
+    """Return the QoS to play a topic with: that of its publishers if they all offered the same, else the default.
 
-    The depth is the default, as that of ``ros2 bag play``.
+    The depth is always the default, as in ``ros2 bag play``.
 
     Args:
-        text: of `qos_text`, or of an older ``ros2 bag``, which has numbers for words.
+        text: written by `qos_text`, or by an older ``ros2 bag``, which uses numbers instead of words.
     """
     try:
         kinds = [_profile(told) for told in parse_qos(read_yaml(text))]
-    except Exception:  # noqa: BLE001 - what a stranger has written may be anything
+    except Exception:  # noqa: BLE001 - invalid text can raise anything
         kinds = []
     return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else QoSProfile(depth=DEFAULT_DEPTH)
 
@@ -49,7 +49,7 @@ def _told(profile: Any) -> Qos:
 
 
 def _profile(told: Qos) -> QoSProfile:
-    """Return a profile; what no publisher can offer is the default."""
+    """Return a profile, with defaults for values that no publisher can offer."""
     words = {name: getattr(told, name).name for name in POLICIES}
     spans = {name: getattr(told, name).sec * 10**9 + getattr(told, name).nsec for name in SPANS}
     known = {name: POLICIES[name][word] for name, word in words.items() if word in OFFERED}

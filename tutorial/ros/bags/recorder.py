@@ -1,4 +1,4 @@
-"""Recording: what goes over topics is written into a bag."""
+"""Record the messages of topics into a bag."""
 
 import logging
 import math
@@ -23,37 +23,37 @@ from tutorial.ros.topics.endpoints import publishers_on, reader_qos
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
-LOOK_EVERY = 0.1  # [s] for new topics, and for what has been received
-QUIET = 0.1  # [s] without a message, after which nothing more is taken to be on its way
-FLUSH_EVERY = 1.0  # [s]: of a recording that is killed, so much is missing
-DEPTH = 1000  # of the subscriptions, where the publishers' depth would be too little when Python is busy
-MOST_WAITING = 2 * LARGEST_MESSAGE  # of messages that wait to be written [bytes]
+LOOK_EVERY = 0.1  # [s] between two checks for new topics and received messages
+QUIET = 0.1  # [s] of silence before the recorder stops expecting messages
+FLUSH_EVERY = 1.0  # [s]; a killed recording lacks this much at its end
+DEPTH = 1000  # of the subscriptions; the publishers' own depth can be too small while Python is busy
+MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] of messages that wait to be written
 
 _log = logging.getLogger(__name__)
 
 
 class Recorder:
-    """Records topics into a bag, for as long as the context lasts.
+    """Records topics into a bag while its context is open.
 
-    Messages are kept as they travel, byte for byte. Their callback posts and returns; a thread of the recorder's own
-    writes them, once a second at the latest, and looks for topics that are new. The time of receipt is simulated time
-    if the node's parameter ``use_sim_time`` is true.
+    Messages are stored byte for byte. Callbacks only queue them; the recorder's own thread writes them, flushes once a
+    second, and looks for new topics. The time of receipt is simulated time if the node's parameter ``use_sim_time`` is
+    true.
 
     Args:
-        node: that subscribes; its thread must spin.
-        path: the bag's folder, which must not be there.
-        topics: their names; None for all that there are, hidden ones excepted, and all that there will be.
+        node: the node that subscribes; its thread must spin.
+        path: the bag's folder, which must not exist.
+        topics: their names; None for all existing and future topics, except for hidden ones.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        max_duration: after how long to begin another file [s].
+        max_duration: maximum duration of a file before the next one starts [s].
 
     Attributes:
         path: the bag's folder.
-        lost: how many messages were received and are not written, because the disk was too slow, or full.
-        error: why nothing is written any more; None while all is well.
+        lost: number of messages that were received but not written because the disk was too slow, or full.
+        error: why writing has stopped; None while all is well.
 
     Raises:
-        TutorialError: there is something of this name, or it cannot be made; a topic's name breaks the rules. When the
-            context ends: the bag could not be written to its end.
+        TutorialError: the folder exists or cannot be created, or a topic's name breaks the rules. When the context
+            ends: the bag could not be completed.
     """
 
     def __init__(
@@ -72,8 +72,8 @@ class Recorder:
         self._writer = BagWriter(self.path, storage, max_duration)
         self._subscriptions: dict[str, Any] = {}
         self._refused: set[str] = set()
-        self._received = 0  # messages, by the thread that spins
-        self._lock = threading.Lock()  # of what waits and what is lost
+        self._received = 0  # messages, counted on the executor's thread
+        self._lock = threading.Lock()  # protects the waiting messages and `lost`
         self._waiting: deque[tuple[str, int, int, bytes]] = deque()
         self._waiting_bytes = 0
         self._flush_at = 0.0
@@ -89,25 +89,25 @@ class Recorder:
         self.close()
 
     def hears(self, topic: str) -> bool:
-        """Whether the recorder has met who publishes a topic: from now on nothing of it is missing."""
+        """Return whether the recorder has discovered a topic's publisher: it records every later message."""
         subscription = self._subscriptions.get(topic)
         return subscription is not None and subscription.get_publisher_count() > 0
 
     @property
     def counts(self) -> Mapping[str, int]:
-        """How many messages are written, of each topic that is being recorded."""
+        """Number of messages written so far, by recorded topic."""
         return {topic: self._writer.counts[topic] for topic in tuple(self._subscriptions)}
 
     @property
     def duration(self) -> float:
-        """From the first message to the last one that is written [s]."""
+        """Time from the first message to the last one that is written [s]."""
         return self._writer.duration
 
     def close(self) -> None:
-        """Take the subscriptions back, write what has been received, and complete the bag. Idempotent.
+        """Destroy the subscriptions, write all received messages, and complete the bag. Idempotent.
 
         Raises:
-            TutorialError: the bag could not be written to its end.
+            TutorialError: the bag could not be completed.
         """
         if self._stop.is_set():
             return
@@ -115,7 +115,7 @@ class Recorder:
         self._settle()
         self._thread.join()
         for subscription in self._subscriptions.values():
-            with suppress(Exception):  # the node may be gone before its recorder
+            with suppress(Exception):  # the node may be destroyed before its recorder
                 self._node.destroy_subscription(subscription)
         if self.error is None:
             self._write()
@@ -125,15 +125,15 @@ class Recorder:
             self.error = self.error or error
         if self.error is not None:
             raise TutorialError(
-                f"the bag {str(self.path)!r} could not be written to its end: {self.error.strerror}. What is in it "
-                f"can be read; {self.lost:,} messages and those of the second before are lost. Make room, or record to "
-                "another disk."
+                f"the bag {str(self.path)!r} could not be completed: {self.error.strerror}. Its content can be read, "
+                f"but {self.lost:,} messages and those of the second before are lost. Free some space, or record to a "
+                "different disk."
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait for what was sent before the end and is on its way: until nothing more comes, for a second at most.
+        """Wait until messages sent before the end have arrived: until no more come, for a second at most.
 
-        The thread that spins has to say so, for while it has no turn nothing comes, either.
+        A timer on the executor's thread checks that, because no messages arrive while that thread is busy.
         """
         seen: deque[int] = deque(maxlen=3)
         quiet = threading.Event()
@@ -143,20 +143,20 @@ class Recorder:
             if seen.count(seen[0]) == 3:
                 quiet.set()
 
-        with suppress(Exception):  # the node may be gone before its recorder
+        with suppress(Exception):  # the node may be destroyed before its recorder
             timer = self._node.create_timer(QUIET / 2, look, clock=Clock())
             quiet.wait(1.0)
             self._node.destroy_timer(timer)
 
     def _run(self) -> None:
-        """Write and look, until the end."""
+        """Write messages and look for new topics, until the end."""
         while not self._stop.wait(LOOK_EVERY):
             if self.error is None:
                 self._write()
                 self._look()
 
     def _look(self) -> None:
-        """Subscribe to the topics that are new."""
+        """Subscribe to new topics."""
         try:
             topics = topics_with_types(self._node, include_hidden=self._wanted is not None)
             for topic in sorted(topics.keys() - self._subscriptions.keys() - self._refused):
@@ -168,14 +168,14 @@ class Recorder:
                         _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
         except OSError as error:
             self._fail(error)
-        except (RuntimeError, UnicodeDecodeError):  # the node is gone; or a real one, which names nothing while any
-            return  # name is no text
+        except (RuntimeError, UnicodeDecodeError):  # the node is destroyed, or a real rclpy has met
+            return  # a name that is not UTF-8
 
     def _subscribe(self, topic: str, types: list[str]) -> None:
-        """Record a topic, if somebody publishes it.
+        """Record a topic if it has a publisher.
 
         Raises:
-            TutorialError: it cannot be recorded; the text is the end of a sentence.
+            TutorialError: it cannot be recorded; the message is the end of a sentence.
         """
         publishers = publishers_on(self._node, topic)
         if not publishers:
@@ -195,12 +195,12 @@ class Recorder:
         _log.info("recording %s", escape_name(topic))
 
     def _on_message(self, topic: str, payload: bytes, info: Mapping[str, Any]) -> None:
-        """Keep the message for the recorder's thread. The thread that spins."""
+        """Queue a message for the recorder's thread. Called on the executor's thread."""
         self._received += 1
         clock = self._node.get_clock()
         time_ns = clock.now().nanoseconds if clock.ros_time_is_active else info["received_timestamp"]
         if not time_ns:
-            return  # before the first message of /clock, simulated time is not known
+            return  # simulated time is not known before the first message on /clock
         with self._lock:
             if self.error is None and self._waiting_bytes <= MOST_WAITING:
                 self._waiting_bytes += len(payload)
@@ -211,7 +211,7 @@ class Recorder:
                 self.lost += 1
 
     def _write(self) -> None:
-        """Write what has been received."""
+        """Write the received messages."""
         try:
             while self._waiting:
                 message = self._waiting.popleft()
@@ -225,16 +225,16 @@ class Recorder:
             self._fail(error)
 
     def _fail(self, error: OSError) -> None:
-        """Write no more."""
+        """Stop writing."""
         with self._lock:
             self.error = error
             self.lost += len(self._waiting)
             self._waiting.clear()
-        _log.error("the bag %r cannot be written any more: %s", str(self.path), error.strerror)
+        _log.error("the bag %r can no longer be written: %s", str(self.path), error.strerror)
 
 
 def _definition(type_name: str) -> tuple[str, str]:
-    """Return a message type's definition, with those that it is made of, and its hash; empty where it is not known."""
+    """Return a message type's definition, including the types it uses, and its hash; both empty for an unknown type."""
     store = get_typestore(Stores.ROS2_JAZZY)
     if type_name not in store.fielddefs:
         return "", ""

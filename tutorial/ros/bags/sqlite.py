@@ -1,4 +1,4 @@
-"""SQLite files, which ``ros2 bag`` writes with ``-s sqlite3``."""
+"""Read and write SQLite files, which ``ros2 bag`` writes with ``-s sqlite3``."""
 
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
@@ -13,31 +13,31 @@ from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage
 
 COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
-"""The columns that are read for each topic, and what replaces one that an older ros2 bag did not write."""
+"""The columns that are read for each topic, with a replacement where an older ros2 bag did not write one."""
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
-MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # not by the index
+MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # the + avoids the index
 UNFINISHED = {
     "-journal": "its last transaction is incomplete",
     "-wal": "its -wal file cannot be read here. Copy both files to a folder that you can write to",
 }
-"""Suffixes of the files that SQLite keeps beside a database, and what to report if it cannot use them."""
-BATCH = 100  # messages, of which one may be that much out of order
-UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised of a spoilt file; the second is about SQLite's own words
+"""Suffixes of the files that SQLite keeps next to a database, and what to report if it cannot use them."""
+BATCH = 100  # messages per batch; also how far a message can be out of order
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, or by the text of SQLite's error
 
 
 class SqliteWriter:
-    """Writes an SQLite file. One thread at a time.
+    """Writes an SQLite file. Use it on one thread at a time.
 
     Args:
-        path: the file, which must not be there.
+        path: the file, which must not exist.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
 
     def __init__(self, path: Path) -> None:
         path.touch(exist_ok=False)
-        self._ids: dict[str, int] = {}  # by topic
+        self._ids: dict[str, int] = {}  # ids by topic
         self._types: set[str] = set()
         self._database = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
         for statement in TABLES.split(";"):
@@ -45,7 +45,7 @@ class SqliteWriter:
         self._run("BEGIN")
 
     def add_channel(self, channel: Channel) -> None:
-        """Make a topic known before its first message."""
+        """Register a topic before its first message."""
         kind, type_hash = channel.type_name, channel.type_hash
         if kind not in self._types:
             self._types.add(kind)
@@ -54,11 +54,11 @@ class SqliteWriter:
         self._insert("topics", channel.topic, kind, channel.encoding, channel.qos, type_hash)
 
     def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:  # noqa: ARG002
-        """Write a message, for which the file has one time only: when it was received."""
+        """Write a message with its time of receipt, the only time that the file stores."""
         self._insert("messages", self._ids[topic], received_ns, payload)
 
     def flush(self) -> None:
-        """Commit what is written."""
+        """Commit the rows written so far."""
         self._run("COMMIT")
         self._run("BEGIN")
 
@@ -75,14 +75,14 @@ class SqliteWriter:
     def _run(self, statement: str, *values: Any) -> None:
         try:
             self._database.execute(statement, values)
-        except sqlite3.Error as error:  # to a program that writes, it is an error of the disk
+        except sqlite3.Error as error:  # callers handle it like a disk error
             raise OSError(0, str(error)) from error
 
 
 class SqliteReader:
-    """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.mcap.McapReader`.
+    """Reads an SQLite file, as far as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
 
-    It is read in the order in which it was written, for the index by time may be damaged.
+    Messages are read in the order of writing, because the index by time may be damaged.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
@@ -92,7 +92,7 @@ class SqliteReader:
         try:
             try:
                 rows = self._topics()
-            except UNREADABLE:  # the folder is read-only, or a killed recording left something beside the file
+            except UNREADABLE:  # the folder is read-only, or a killed recording left files next to this one
                 self._how = "immutable=1"
                 for suffix, missing in UNFINISHED.items():
                     if _has_content(Path(f"{path}{suffix}")):
@@ -110,7 +110,7 @@ class SqliteReader:
         return list(self._rows(f"SELECT {', '.join(columns)} FROM topics"))
 
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
-        """Yield the messages from a time on [ns], some at a time."""
+        """Yield the messages from a time on [ns], in batches."""
         messages = self._messages(since)
         while batch := list(islice(messages, BATCH)):
             yield batch
@@ -121,17 +121,17 @@ class SqliteReader:
                 if number in self.channels and isinstance(time, int) and isinstance(payload, bytes):
                     yield self.channels[number].topic, time, payload
                 else:
-                    self._say("a row in it is no message")
+                    self._say("a row in it is not a message")
         except UNREADABLE as error:
             self._say(f"SQLite says: {printable(str(error))}")
 
     def _rows(self, query: str, *values: Any) -> Iterator[tuple[Any, ...]]:
-        """Yield what a query finds. The file is not changed."""
+        """Yield the rows that a query finds, without changing the file."""
         address = f"{self._path.absolute().as_uri()}?{self._how}"
         with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as database:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
             database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
-            # a query reads tables alone: a view, whose name comes last, may never end
+            # allow only tables: a query on a view, whose name is the last argument, may never end
             database.set_authorizer(lambda *names: sqlite3.SQLITE_DENY if names[-1] else sqlite3.SQLITE_OK)
             yield from database.execute(query, values)
 

@@ -1,4 +1,4 @@
-"""What the two kinds of file that a bag is made of, MCAP and SQLite, have in common."""
+"""Types and limits that MCAP and SQLite files, the two kinds of bag files, share."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,19 +6,19 @@ from typing import Any
 import yaml
 
 LARGEST_MESSAGE = 128 * 2**20
-"""Of a message, or of a chunk of messages, when it is unpacked [bytes]: some five pictures of the largest cameras."""
+"""Maximum size of a message, or of a chunk once decompressed [bytes]: about five pictures of the largest cameras."""
 
 RawMessage = tuple[str, int, bytes]
-"""Its topic, when it was received [ns], and its payload."""
+"""A message's topic, time of receipt [ns] and payload."""
 
 
 class CorruptBagError(Exception):
-    """Nothing in a file can be read. The text completes a sentence that begins with the file's name."""
+    """Raised if nothing in a file can be read. The message completes a sentence that begins with the file's name."""
 
 
 @dataclass
 class Span:
-    """How many messages there are, and when the first and the last of them was received [ns]; 0 without messages."""
+    """The number of messages, and when the first and the last one were received [ns]; 0 without messages."""
 
     count: int = 0
     start: int = 0
@@ -33,15 +33,15 @@ class Span:
 
 @dataclass(frozen=True)
 class Channel:
-    """What a bag holds of a topic, beside its messages.
+    """What a bag stores about a topic besides its messages.
 
     Attributes:
         topic: its full name.
-        type_name: such as ``"sensor_msgs/msg/Joy"``.
-        encoding: of its payloads; ``"cdr"`` in ROS 2.
-        qos: what its publishers offered, as YAML.
-        definition: the message type's, with those that it is made of, as text; only for writing.
-        type_hash: of the message type (REP 2016); only for writing.
+        type_name: its type, such as ``"sensor_msgs/msg/Joy"``.
+        encoding: encoding of its payloads; ``"cdr"`` in ROS 2.
+        qos: the QoS that its publishers offered, as YAML.
+        definition: text that defines the message type and the types it uses; only for writing.
+        type_hash: hash of the message type (REP 2016); only for writing.
     """
 
     topic: str
@@ -53,20 +53,20 @@ class Channel:
 
 
 class _Loader(yaml.SafeLoader):
-    """Merges no mappings: a few that are merged into each other unfold to gigabytes."""
+    """YAML loader that ignores merge keys: a few that refer to each other expand to gigabytes."""
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
-        """Leave a mapping as it is."""
+        """Leave a mapping unchanged."""
 
 
 _Loader.add_constructor("tag:yaml.org,2002:int", lambda _loader, node: int(node.value))
-"""Numbers in a bag are decimal. Python reads others of any length, which it then cannot print."""
+"""Integers in a bag are decimal. Python would accept other bases at any length, and then could not print the number."""
 
 
 def read_yaml(text: str | bytes) -> Any:
-    """Read what a bag has in YAML. PyYAML's faster loader, in C, ends the process on text that is nested too deeply.
+    """Read YAML text from a bag. Don't use PyYAML's faster loader: its C code crashes on deeply nested text.
 
     Raises:
-        Exception: it is no YAML; whoever wrote it, it may be anything.
+        Exception: the text is not valid YAML; the exception can be of any type.
     """
     return yaml.load(text, Loader=_Loader)

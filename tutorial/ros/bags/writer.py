@@ -1,4 +1,4 @@
-"""A bag that is being written: a folder of one file or several, and what they have in common."""
+"""Write a bag: a folder with one or more files and their common metadata."""
 
 import math
 from collections import Counter
@@ -16,22 +16,22 @@ WRITERS: dict[str, tuple[str, type[McapWriter | SqliteWriter]]] = {
     "mcap": (".mcap", McapWriter),
     "sqlite3": (".db3", SqliteWriter),
 }
-VERSION = 9  # of the metadata, in Jazzy
+VERSION = 9  # of the metadata format in Jazzy
 
 
 class BagWriter:
-    """Writes a bag as ``ros2 bag record`` lays it out. One thread at a time.
+    """Writes a bag with the layout of ``ros2 bag record``. Use it on one thread at a time.
 
     Args:
-        path: the bag's folder, which must not be there: nothing is overwritten.
+        path: the bag's folder, which must not exist: nothing is overwritten.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        max_duration: after how long to begin another file [s].
+        max_duration: maximum duration of a file before the next one starts [s].
 
     Attributes:
-        counts: how many messages of each topic are written.
+        counts: number of messages written so far, by topic.
 
     Raises:
-        TutorialError: there is something of this name, it is no UTF-8, or it cannot be made.
+        TutorialError: the path exists, is not valid UTF-8, or cannot be created.
     """
 
     def __init__(self, path: Path, storage: str = "mcap", max_duration: float = math.inf) -> None:
@@ -43,28 +43,28 @@ class BagWriter:
         self._span = Span()
         self._files: dict[str, Span] = {}
         try:
-            str(path).encode()  # the bag has its own name in it
+            str(path).encode()  # the bag contains its own name
             path.mkdir(parents=True)
             self._begin_file()
         except UnicodeEncodeError:
-            raise TutorialError(f"the bag's name, {str(path)!r}, is no UTF-8. Give another name.") from None
+            raise TutorialError(f"the bag's name, {str(path)!r}, is not UTF-8. Choose a different name.") from None
         except FileExistsError:
             raise TutorialError(
-                f"there is a {str(path)!r} already, and a bag overwrites nothing. Give another name."
+                f"{str(path)!r} already exists, and recording overwrites nothing. Choose a different name."
             ) from None
         except OSError as error:
             raise TutorialError(f"the bag {str(path)!r} cannot be written: {error.strerror}.") from error
 
     @property
     def duration(self) -> float:
-        """From the first message to the last one [s]."""
+        """Time from the first message to the last one [s]."""
         return (self._span.end - self._span.start) / 1e9
 
     def add_channel(self, channel: Channel) -> None:
-        """Make a topic known before its first message.
+        """Register a topic before its first message.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the bag cannot be written.
         """
         self._channels.append(channel)
         self._file.add_channel(channel)
@@ -73,7 +73,7 @@ class BagWriter:
         """Write a message.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the bag cannot be written.
         """
         if self._file_span.count and received_ns - self._file_span.start >= self._longest_ns:
             self._file.close(_yaml(self._information()))
@@ -84,14 +84,14 @@ class BagWriter:
         self.counts[topic] += 1
 
     def flush(self) -> None:
-        """Give what is written to the operating system: it outlives this process."""
+        """Hand the written messages to the operating system, so that they outlive this process."""
         self._file.flush()
 
     def close(self) -> None:
         """Complete the bag.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the bag cannot be written.
         """
         information = self._information()
         self._file.close(_yaml(information))
@@ -107,7 +107,7 @@ class BagWriter:
             self._file.add_channel(channel)
 
     def _information(self) -> dict[str, Any]:
-        """Return what there is to say of the bag, so far."""
+        """Return the bag's metadata so far."""
         topics = [
             {
                 "topic_metadata": {
