@@ -54,7 +54,7 @@ def test_faults_go_to_the_topic_and_the_good_stream_comes_from_another(nodes, re
 
 
 def test_a_loop_is_refused(nodes):
-    with pytest.raises(Exception, match=r"are both on '/Tank/joint_state'\. Have the good stream's publisher publish"):
+    with pytest.raises(Exception, match=r"are both on '/Tank/joint_state'\. Start the good stream's publisher"):
         ChaosStream(nodes[0], Chaos(), good=TOPIC[1:])
 
 

@@ -1,6 +1,6 @@
-"""Joint states with faults in them: what a network, a careless program or a hostile one may send.
+"""Joint states with faults: what a network, or a careless or hostile program, can send.
 
-`faults` knows which faults there are, and no ROS 2; `stream` publishes them.
+`faults` defines the faults, without ROS 2; `stream` publishes them.
 """
 
 from tutorial.ros.chaos.faults import FAULTS, Action, Chaos, parse_fault

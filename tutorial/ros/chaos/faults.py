@@ -1,7 +1,7 @@
-"""Puts faults into a stream of joint states: a message in, what is to be published out. No thread, no clock, no ROS 2.
+"""Put faults into a stream of joint states, without threads, clocks or ROS 2.
 
-Each fault draws from random numbers of its own, so the same seed gives the same stream again, and the messages that one
-fault hits do not depend on whether another is on.
+Each fault has its own random numbers, so the same seed gives the same stream, and the messages that a fault affects do
+not depend on which other faults are active.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,12 +13,12 @@ from typing import Any, Literal, NamedTuple
 from tutorial.errors import TutorialError, did_you_mean, printable
 
 Change = Callable[[Random, Any], None]
-"""What a fault does to a message; its random numbers are its own."""
+"""Function that applies a fault to a message, with the fault's own random numbers."""
 
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
-LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # how late a message comes
-AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a clock that is wrong may be ahead
+LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # delay of a late message
+AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a wrong clock can be ahead
 
 MARKUP = (
     "<b>TURRET_Y</b>",
@@ -29,40 +29,40 @@ MARKUP = (
 )
 CONTROL = (
     "\x1b[2J\x1b[HTURRET_Y",  # clears a terminal
-    "TURRET_Y\n[ERROR] all is lost",  # forges a line
-    "\u202eY_TERRUT",  # is read from right to left
+    "TURRET_Y\n[ERROR] all is lost",  # forges a log line
+    "\u202eY_TERRUT",  # is displayed from right to left
     "TURRET\u200b_Y",  # looks like the joint's own name
     "\r\x07\x9b31m",
 )
 
 FAULTS = {
-    "shuffle": "the joints come in another order",
-    "subset": "some of the joints only",
-    "rename": "a joint has a mistyped name",
-    "duplicate": "a joint comes twice, first with an earlier position",
+    "shuffle": "the joints are in a different order",
+    "subset": "some joints are missing",
+    "rename": "a joint's name is misspelled",
+    "duplicate": "a joint appears twice, first with an earlier position",
     "nan": "a position is not a number",
     "infinite": "a position is infinite",
     "huge": "a position is beyond any range",
-    "markup": "one more name, with HTML in it",
-    "control": "one more name, with control or direction characters in it",
+    "markup": "there is one more name, with HTML in it",
+    "control": "there is one more name, with control or direction characters in it",
     "short": "fewer positions than names",
     "long": "more positions than names",
-    "late": "a message is held back for up to 0.3 s, and comes after newer ones",
+    "late": "a message is held back for up to 0.3 s, and arrives after newer ones",
     "ahead": "the stamp is up to an hour ahead",
-    "restart": "the publisher is started again, and its stamps begin at 0",
+    "restart": "the publisher is restarted, and its stamps begin at 0",
     "drop": "the message is lost",
-    "burst": f"the message comes {BURST} times at once",
-    "second": "a second publisher says that all joints are at 0",
+    "burst": f"the message is sent {BURST} times at once",
+    "second": "a second publisher reports all joints at 0",
 }
-"""What each fault does, by name, in the order in which they are applied."""
+"""Descriptions of the faults by name, in the order that they are applied."""
 
 
 class Action(NamedTuple):
-    """What is to be done next.
+    """An action for the publishers of a stream.
 
     Attributes:
-        kind: ``"publish"`` the message; publish it as a ``"second"`` publisher; ``"restart"`` the publisher.
-        message: the `sensor_msgs/JointState` to publish, if it is one.
+        kind: ``"publish"`` the message; publish it from a ``"second"`` publisher; or ``"restart"`` the publisher.
+        message: the `sensor_msgs/JointState` to publish, if any.
     """
 
     kind: Literal["publish", "second", "restart"]
@@ -73,30 +73,30 @@ class Chaos:
     """Puts faults into a stream of joint states.
 
     Args:
-        faults: by name, which share of the messages a fault hits, 0 to 1. Several may hit the same message.
-        seed: the same one gives the same faults again.
+        faults: the share of messages that each fault affects, 0 to 1, by name. Several can affect the same message.
+        seed: the same seed gives the same faults.
 
     Attributes:
-        faults: as given; they may be replaced while the stream runs.
-        made: how many messages each fault has hit so far, by name.
+        faults: as given; it can be replaced while the stream runs.
+        made: number of messages that each fault has affected so far, by name.
     """
 
     def __init__(self, faults: Mapping[str, float] | None = None, seed: int = 0) -> None:
         self.faults = dict(faults or {})
-        self.made = dict.fromkeys(FAULTS, 0)  # complete from the start: another thread may be reading
+        self.made = dict.fromkeys(FAULTS, 0)  # complete from the start, because another thread may read it
         self._random = {name: Random(f"{seed} {name}") for name in FAULTS}
-        self._newest_ns = 0  # the stamp of the last message that was in time
-        self._held: tuple[Any, int] | None = None  # the message that comes late, and by how much [ns]
-        self._began_ns = 0  # which stamp of the good stream is 0 since the last restart
+        self._newest_ns = 0  # the stamp of the last message that was on time
+        self._held: tuple[Any, int] | None = None  # the message that is held back, and its delay [ns]
+        self._began_ns = 0  # the good stream's stamp at the last restart, published as 0
 
     def apply(self, message: Any) -> list[Action]:
         """Put faults into the next message.
 
         Args:
-            message: a good `sensor_msgs/JointState`; it stays as it is.
+            message: a good `sensor_msgs/JointState`, which is not changed.
 
         Returns:
-            What is to be done, in order; nothing for a message that is lost or held back.
+            The actions to take, in order; empty for a message that is lost or held back.
         """
         hits = [name for name, share in self.faults.items() if self._random[name].random() < share]
         faulty = deepcopy(message)
@@ -109,7 +109,7 @@ class Chaos:
         actions = []
         if "restart" in hits:
             self._began_ns = stamp_ns(message)
-            self._held = None  # what the publisher held back is gone with it
+            self._held = None  # a restarted publisher loses the message that it held back
             actions.append(Action("restart"))
         ahead_ns = self._random["ahead"].randint(*AHEAD_NS) if "ahead" in hits else 0
         set_stamp_ns(faulty, stamp_ns(message) - self._began_ns + ahead_ns)
@@ -119,7 +119,7 @@ class Chaos:
         return actions
 
     def _in_time(self, message: Any, hits: list[str]) -> list[Action]:
-        """Publish a message now, or later, or never, or many times; and what is due of those before."""
+        """Publish a message now, later, never, or many times; also publish the held message if it is due."""
         actions = []
         if "late" in hits and self._held is None:
             self._held = message, self._random["late"].randint(*LATE_NS)
@@ -132,17 +132,17 @@ class Chaos:
             age_ns = self._newest_ns - stamp_ns(held)
             if age_ns >= delay_ns:
                 self._held = None
-            if delay_ns <= age_ns <= SECOND_NS:  # else the stamps have jumped meanwhile, and it is lost
+            if delay_ns <= age_ns <= SECOND_NS:  # otherwise the stamps have jumped, and it is lost
                 self.made["late"] += 1
                 actions.append(Action("publish", held))
         return actions
 
 
 def parse_fault(text: str) -> tuple[str, float]:
-    """Read a fault as it is written: ``"nan:0.1"`` hits every tenth message, ``"nan"`` hits all.
+    """Parse a fault: ``"nan:0.1"`` affects one message in ten, ``"nan"`` affects all.
 
     Raises:
-        TutorialError: there is no such fault, or no such share; the text names the nearest.
+        TutorialError: there is no such fault, and the message suggests the nearest; or the share is invalid.
     """
     name, colon, given = text.partition(":")
     try:
@@ -152,7 +152,7 @@ def parse_fault(text: str) -> tuple[str, float]:
     if name not in FAULTS:
         raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
     if not 0 <= share <= 1:
-        raise TutorialError(f"of the messages {name!r} cannot hit a share of {share:g}: give a number from 0 to 1.")
+        raise TutorialError(f"{name!r} cannot affect a share of {share:g} of the messages: give a number from 0 to 1.")
     return name, share
 
 
@@ -168,18 +168,18 @@ def set_stamp_ns(message: Any, ns: int) -> None:
 
 
 def _at_zero(message: Any) -> Any:
-    """Make what a publisher sends whose robot has never moved."""
+    """Return the message of a publisher whose robot has never moved."""
     still = deepcopy(message)
     still.position = [0.0] * len(message.name)
     still.velocity, still.effort = [], []
     return still
 
 
-# What changes the content of a message, which has as many positions as names, and one at least.
+# Functions that change the content of a message. It has at least one name, and as many positions as names.
 
 
 def _reorder(message: Any, order: list[int]) -> None:
-    """Keep these entries, in this order, of every list that has one for each name."""
+    """Keep the given entries, in the given order, in every list that has one entry per name."""
     count = len(message.name)
     for field in ("position", "velocity", "effort", "name"):
         values = getattr(message, field)
@@ -188,7 +188,7 @@ def _reorder(message: Any, order: list[int]) -> None:
 
 
 def _some(random: Random, count: int) -> int:
-    """Draw how many of some are left: one at least, and not all, where there are more."""
+    """Draw how many entries to keep: at least one, and not all if there are several."""
     return random.randrange(1, max(count, 2))
 
 
@@ -219,7 +219,7 @@ def _duplicate(random: Random, message: Any) -> None:
 
 
 def _put(value: Callable[[Random], float]) -> Change:
-    """Make a change that replaces one position."""
+    """Return a change that replaces one position."""
 
     def change(random: Random, message: Any) -> None:
         message.position[random.randrange(len(message.position))] = value(random)
@@ -228,7 +228,7 @@ def _put(value: Callable[[Random], float]) -> Change:
 
 
 def _add(names: tuple[str, ...]) -> Change:
-    """Make a change that adds an entry of one of these names."""
+    """Return a change that adds an entry with one of these names."""
 
     def change(random: Random, message: Any) -> None:
         count = len(message.name)

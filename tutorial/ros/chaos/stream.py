@@ -1,4 +1,4 @@
-"""Publishes joint states with faults in them."""
+"""Publish joint states with faults."""
 
 import math
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ DEPTH = 100  # holds a burst
 
 
 def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:
-    """Make a good message: all joints swing steadily between 0.15 and 0.65 rad, each more slowly than the one before.
+    """Return a good message: all joints swing steadily between 0.15 and 0.65 rad, each slower than the one before.
 
     Args:
-        number: of the message, from 0; it decides everything.
-        joints: their names.
-        rate: how often they come [Hz], by their stamps.
+        number: number of the message, from 0, which determines its content.
+        joints: names of the joints.
+        rate: message rate in the stamps [Hz].
     """
     message = JointState(name=list(joints))
     set_stamp_ns(message, round(number * 1e9 / rate))
@@ -35,18 +35,18 @@ def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> Jo
 
 
 class ChaosStream:
-    """Publishes a good stream of joint states with faults in it, on the thread that spins its node, and as long.
+    """Publishes a good stream of joint states with faults in it, on the thread that spins its node.
 
     Args:
-        node: that publishes.
-        chaos: which puts in the faults.
-        good: the topic of the good stream; None for the steady `swing`.
+        node: the node that publishes.
+        chaos: puts the faults into messages.
+        good: the topic of the good stream; None to publish `swing`.
 
     Attributes:
         chaos: as given.
 
     Raises:
-        TutorialError: the good stream would come from where the faults go.
+        TutorialError: the good stream is on the topic of the faults.
     """
 
     def __init__(self, node: Node, chaos: Chaos, good: str | None = None) -> None:
@@ -60,8 +60,8 @@ class ChaosStream:
         subscription = node.create_subscription(JointState, good, self._send, DEPTH)
         if subscription.topic_name == self._publishers["publish"].topic_name:
             raise TutorialError(
-                f"the good stream and the faults are both on {subscription.topic_name!r}. Have the good stream's "
-                f"publisher publish elsewhere, --ros-args -r {TOPIC}:=/good, and take it from there: --from /good."
+                f"the good stream and the faults are both on {subscription.topic_name!r}. Start the good stream's "
+                f"publisher with --ros-args -r {TOPIC}:=/good, and read its messages with --from /good."
             )
 
     def _swing(self) -> None:
@@ -69,7 +69,7 @@ class ChaosStream:
         self._number += 1
 
     def _send(self, message: JointState) -> None:
-        """Put the faults into a message, and publish what comes of it."""
+        """Put faults into a message, and publish the result."""
         for action in self.chaos.apply(message):
             kind = "second" if action.kind == "second" else "publish"
             if action.kind == "restart":
