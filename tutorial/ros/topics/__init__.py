@@ -1,1 +1,1 @@
-"""What ``ros2 topic`` and ``ros2 node`` print, as text, for whichever rclpy is in use."""
+"""The output of ``ros2 topic`` and ``ros2 node`` as text, with whichever rclpy is in use."""

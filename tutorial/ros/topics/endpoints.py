@@ -1,4 +1,4 @@
-"""Who is on a topic, whatever it is called, and what a subscription can ask of all publishers there."""
+"""Find the publishers and subscriptions of a topic, whatever its name, and the QoS that fits all its publishers."""
 
 from collections.abc import Callable
 
@@ -8,34 +8,34 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.ros.topics.names import is_valid_topic
 
-SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
+SENSOR_DEPTH = 5  # as in rclpy's qos_profile_sensor_data, which ros2 uses
 
 
 def publishers_on(node: Node, topic: str) -> list[TopicEndpointInfo]:
-    """Return what is known of each publisher on a topic.
+    """Return rclpy's information about each publisher on a topic.
 
     Args:
-        node: that asks.
-        topic: its full name, as `Node.get_topic_names_and_types` has it.
+        node: the node that queries the graph.
+        topic: its full name, as in `Node.get_topic_names_and_types`.
     """
     return _infos(node.get_publishers_info_by_topic, topic)
 
 
 def subscriptions_on(node: Node, topic: str) -> list[TopicEndpointInfo]:
-    """Return what is known of each subscription on a topic, as `publishers_on`."""
+    """Return rclpy's information about each subscription on a topic; see `publishers_on`."""
     return _infos(node.get_subscriptions_info_by_topic, topic)
 
 
 def _infos(ask: Callable[..., list[TopicEndpointInfo]], topic: str) -> list[TopicEndpointInfo]:
-    """Ask by the topic's name; rclpy refuses one that breaks the rules, but takes the name that it has in DDS."""
+    """Query by the topic's name; rclpy refuses an invalid name, but accepts the name that the topic has in DDS."""
     return ask(topic) if is_valid_topic(topic) else ask(f"rt{topic}", no_mangle=True)
 
 
 def reader_qos(node: Node, topic: str) -> QoSProfile:
-    """Choose what a subscription can ask for so that all publishers of a topic fit it, as ``ros2`` does.
+    """Choose the QoS for a subscription that fits all publishers of a topic, as ``ros2`` does.
 
     Args:
-        node: that asks.
+        node: the node that queries the graph.
         topic: its full name.
     """
     offered = [info.qos_profile for info in publishers_on(node, topic)]

@@ -1,4 +1,4 @@
-"""Waiting until the node graph is known, so that what is said about it is complete."""
+"""Wait until the node graph is known, so that listings are complete."""
 
 import asyncio
 import logging
@@ -17,26 +17,26 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
 _log = logging.getLogger(__name__)
 
-READ_EVERY = 0.1  # [s] between two looks at the graph
-QUIET_READS = 5  # that have to agree before the graph counts as known
-PATIENT_READS = 30  # on a real rclpy, which does not tell whether more is on its way: see `_reads`
-LOOKED_INTO = 50  # topics, of however many there are, whose publishers and subscriptions are looked at
-PATIENCE = 8.0  # [s]; Fast DDS says again who its nodes are every 3 s, beginning after 1 s
-DISCOVERY_TIMEOUT = 2.0  # [s] that a node or topic that is asked for may take to turn up
+READ_EVERY = 0.1  # [s] between two reads of the graph
+QUIET_READS = 5  # consecutive equal reads before the graph counts as known
+PATIENT_READS = 30  # the same for a real rclpy that may still discover more: see `_reads`
+LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
+PATIENCE = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
+DISCOVERY_TIMEOUT = 2.0  # [s] that a requested node or topic can take to appear
 TIMEOUT_ON_FAST_DDS = 6.0  # [s]
-NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
+NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 
 
 async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, patience: float = PATIENCE) -> bool:
-    """Wait until all who were discovered have told what they have, and what is known has stopped changing.
+    """Wait until every discovered participant has announced its entities and the graph has stopped changing.
 
-    Other nodes of this process are there for certain, so they are waited for, too: Fast DDS takes seconds to meet them.
-    If that was in vain, a warning says so.
+    Other nodes of this process certainly exist, so wait for them, too: Fast DDS takes seconds to discover them. If the
+    wait times out, log a warning.
 
     Args:
-        node: that asks; its thread must spin.
-        wanted: whether what is asked for is there; if it is not, the wait goes on a little longer.
-        patience: how long to wait at most [s].
+        node: the node that queries the graph; its thread must spin.
+        wanted: returns whether the requested entity is there; if not, wait a little longer.
+        patience: maximum wait [s].
 
     Returns:
         Whether the graph is known.
@@ -44,7 +44,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
     began = time.monotonic()
     timeout = TIMEOUT_ON_FAST_DDS if _is_fast_dds() else DISCOVERY_TIMEOUT
     seen: tuple[tuple[str, ...], ...] = ()
-    agreeing = 0  # looks in a row
+    agreeing = 0  # reads in a row
     while True:
         before, seen = seen, _snapshot(node)
         agreeing = agreeing + 1 if seen == before else 0
@@ -52,16 +52,16 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
         if done and (waited >= timeout or (_has_met_its_own(node) and wanted())):
             return True
         if waited >= patience:
-            _log.warning("nodes still come and go: what is said of them may be incomplete")
+            _log.warning("nodes still come and go: this output may be incomplete")
             return False
         await asyncio.sleep(READ_EVERY)
 
 
 def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
-    """How many looks have to agree.
+    """Return how many reads have to agree.
 
-    The pocket ROS 2 knows who has yet to tell. On a real rclpy a name may be missing, which a program that is DDS alone
-    never tells, or Fast DDS may have found nobody.
+    The pocket ROS 2 knows which participants have not announced everything. With a real rclpy, a name may be missing
+    because a program that uses DDS without ROS 2 never announces it, and Fast DDS may not have found anybody yet.
     """
     if hasattr(node.context, "graph"):
         return QUIET_READS if node.context.graph.is_complete() else inf
@@ -70,7 +70,7 @@ def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
 
 
 def _has_met_its_own(node: Node) -> bool:
-    """Whether a node knows of all other nodes of its process that are in its domain."""
+    """Return whether a node has discovered all other nodes of its process and domain."""
     met = {full_name(*each) for each in node.get_node_names_and_namespaces()}
     domain = node.context.get_domain_id()
     ours = (each for each in tuple(NodeThread.alive) if each.node.context.get_domain_id() == domain)
@@ -82,12 +82,12 @@ def _is_fast_dds() -> bool:
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
-    """All nodes, and all topics with those who publish and subscribe, where that is of interest."""
+    """Return all nodes, and all topics, some of them with the nodes that publish and subscribe."""
     snapshot: list[tuple[str, ...]] = []
     topics: list[tuple[str, list[str]]] = []
-    with suppress(RuntimeError, UnicodeDecodeError):  # a real one names no node while any has an empty name
+    with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while one has an empty name
         snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
-    with suppress(UnicodeDecodeError):  # nor any topic while one of the names is no text
+    with suppress(UnicodeDecodeError):  # and no topics while one name is not UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):

@@ -1,6 +1,6 @@
-"""What comes over a topic: ``ros2 topic echo`` and ``hz``, as text.
+"""Show what arrives on a topic: ``ros2 topic echo`` and ``hz``, as text.
 
-The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
 """
 
 import asyncio
@@ -21,9 +21,9 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.message_yaml import field_text
 from tutorial.ros.topics.names import escape_name, full_topic, message_class
 
-LOOK_EVERY = 0.1  # [s] for a topic that is not there yet
+LOOK_EVERY = 0.1  # [s] between two checks for a topic that does not exist yet
 HZ_EVERY = 1.0  # [s] between two texts of topic_hz
-DEFAULT_WINDOW = 10_000  # intervals, of ros2 topic hz
+DEFAULT_WINDOW = 10_000  # intervals, as in ros2 topic hz
 
 NO_TYPE = "Could not determine the type for the passed topic"
 
@@ -37,23 +37,23 @@ async def topic_echo(
     no_arr: bool = False,
     timeout: float | None = None,
 ) -> AsyncGenerator[str, None]:
-    """Show messages as they come, as ``ros2 topic echo``.
+    """Yield the messages of a topic as text, like ``ros2 topic echo``.
 
-    The subscription lives as long as the iteration: give that up with `contextlib.aclosing`, or by cancelling.
+    The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling.
 
     Args:
-        node: that subscribes; its thread must spin.
-        topic: its name, which is waited for a little.
-        once: end after the first message; else it goes on for ever.
+        node: the node that subscribes; its thread must spin.
+        topic: its name; if it does not exist, wait for it a little.
+        once: end after the first message instead of going on forever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
-        no_arr: show of each array only what it is.
-        timeout: how long to wait for each message at most [s]; None for ever.
+        no_arr: show only the type and length of each array.
+        timeout: maximum wait for each message [s]; None to wait forever.
 
     Yields:
-        The text of each message, with the closing ``---``.
+        The text of a message, with the closing ``---``.
 
     Raises:
-        TutorialError: the topic or the field is unknown, with the text of ``ros2``; or no message came in time.
+        TutorialError: the topic or the field is unknown, in the words of ``ros2``; or no message came in time.
     """
     topic = await _known(node, topic)
     type_name = _type_of(node, topic)
@@ -69,19 +69,18 @@ async def topic_echo(
 async def topic_hz(
     node: Node, topic: str, *, window: int = DEFAULT_WINDOW, timeout: float | None = None
 ) -> AsyncGenerator[str, None]:
-    """Measure the rate at which messages come in, as ``ros2 topic hz``; it goes on for ever.
+    """Measure the rate of a topic's messages forever, like ``ros2 topic hz``.
 
-    While nothing new comes, it says nothing. Where simulated time jumps back, it begins anew.
+    Yield nothing while no messages arrive, and start again when simulated time jumps back.
 
     Args:
-        node: that subscribes; its thread must spin. Where it uses simulated time, that is what counts.
-        topic: its name, which is waited for a little. If there is none, a warning is the first text, and the wait goes
-            on.
-        window: how many intervals between messages count, the newest.
-        timeout: how long to wait for the topic, and then for each message, at most [s]; None for ever.
+        node: the node that subscribes; its thread must spin. If it uses simulated time, intervals are measured in it.
+        topic: its name; if it does not exist, wait for it a little, then yield a warning and go on waiting.
+        window: the number of recent intervals that count.
+        timeout: maximum wait for the topic, and then for each message [s]; None to wait forever.
 
     Yields:
-        About once a second: average rate [Hz], and of the intervals the extremes and the standard deviation [s].
+        About once a second: the average rate [Hz], and the extremes and standard deviation of the intervals [s].
 
     Raises:
         TutorialError: no message came in time.
@@ -99,7 +98,7 @@ async def topic_hz(
         async for now, _ in messages:
             if now < before:
                 intervals.clear()
-                before = told = now if now > 0 else math.inf  # simulated time is 0 before anything is heard of it
+                before = told = now if now > 0 else math.inf  # simulated time is 0 before its first message
                 continue
             intervals.append(now - before)
             before = now
@@ -111,24 +110,24 @@ async def topic_hz(
 async def _messages(
     node: Node, kind: Any, topic: str, timeout: float | None, times_only: bool = False
 ) -> AsyncGenerator[tuple[float, Any], None]:
-    """Yield the messages of a topic: (when it came [s], in simulated time or that of `time.monotonic`; the message).
+    """Yield the messages of a topic, each with its time of arrival [s], simulated or from `time.monotonic`.
 
     Args:
-        node: that subscribes; its thread must spin.
+        node: the node that subscribes; its thread must spin.
         kind: the class of the messages.
         topic: its full name.
-        timeout: how long to wait for each at most [s]; None for ever.
-        times_only: yield None instead of each message, which is not even decoded; of them 10,000 wait at most.
+        timeout: maximum wait for each message [s]; None to wait forever.
+        times_only: yield None instead of each message, and don't decode it; the queue holds up to 10,000 of them.
 
     Raises:
-        TutorialError: none came in time.
+        TutorialError: no message came in time.
     """
     received: deque[tuple[float, Any]] = deque(maxlen=DEFAULT_WINDOW if times_only else 100)
     news = asyncio.Event()
     calls = CallQueue(asyncio.get_running_loop())
     scope = calls.scope(f"a look at {topic}")
 
-    def on_message(message: Any) -> None:  # the thread that spins: keep it with its time, post, and return
+    def on_message(message: Any) -> None:  # executor's thread: keep the message and its time, and wake the loop
         clock = node.get_clock()
         now = clock.now().nanoseconds / 1e9 if clock.ros_time_is_active else time.monotonic()
         received.append((now, None if times_only else message))
@@ -149,10 +148,10 @@ async def _messages(
 
 @asynccontextmanager
 async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenerator[None, None]:
-    """Bound a wait for a message [s]; None does not.
+    """Limit a wait for a message to a timeout [s]; None sets no limit.
 
     Raises:
-        TutorialError: none came in time.
+        TutorialError: no message came in time.
     """
     try:
         async with asyncio.timeout(timeout):
@@ -166,7 +165,7 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
 
 
 async def _known(node: Node, topic: str) -> str:
-    """Wait for a topic, a little, and return its full name."""
+    """Wait a little for a topic, and return its full name."""
     name = full_topic(node, topic)
     await wait_for_graph(node, lambda: _type_of(node, name))
     return name
@@ -176,7 +175,7 @@ def _type_of(node: Node, topic: str) -> str | None:
     """Return the type of a topic; None if there is no such topic.
 
     Raises:
-        TutorialError: it has several.
+        TutorialError: it has several types.
     """
     types = dict(node.get_topic_names_and_types()).get(topic, [])
     if len(types) > 1:
@@ -186,12 +185,12 @@ def _type_of(node: Node, topic: str) -> str | None:
 
 
 def _not_published(topic: str) -> str:
-    """Say that there is no such topic, in the words of ``ros2``."""
+    """Return the warning of ``ros2`` about a topic that does not exist."""
     return f"WARNING: topic [{escape_name(topic)}] does not appear to be published yet"
 
 
 def _rate_text(intervals: deque[float]) -> str:
-    """The two lines of ``ros2 topic hz``."""
+    """Return the two lines that ``ros2 topic hz`` prints."""
     times = np.array(intervals)
     mean = times.mean()
     return (

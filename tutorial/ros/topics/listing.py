@@ -1,7 +1,7 @@
-"""Which nodes and topics there are, and who is on a topic: ``ros2 node list``, ``topic list`` and ``topic info``.
+"""List nodes and topics, and describe a topic: ``ros2 node list``, ``topic list`` and ``topic info``, as text.
 
-The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. In the texts
-names are written by `escape_name`; ``ros2`` prints them as they come.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names are escaped with
+`escape_name`; ``ros2`` prints them unchanged.
 """
 
 from rclpy.duration import Duration, Infinite
@@ -16,31 +16,31 @@ from tutorial.ros.topics.names import escape_name, full_name, is_hidden
 
 
 def node_names(node: Node) -> list[str]:
-    """Return the full names of the nodes there are, but for hidden ones, sorted; one that several have comes as often.
+    """Return the sorted full names of all nodes except hidden ones; a name appears once for each node that has it.
 
     Args:
-        node: that asks.
+        node: the node that queries the graph.
     """
     found = node.get_node_names_and_namespaces()
     return sorted(full_name(name, space) for name, space in found if not name.startswith("_"))
 
 
 def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, list[str]]:
-    """Return the types of each topic there is, in the order of the topics' names.
+    """Return the types of each topic, sorted by the topics' names.
 
     Args:
-        node: that asks.
-        include_hidden: also topics whose names have a part that begins with an underscore.
+        node: the node that queries the graph.
+        include_hidden: include topics with a part of their name that starts with an underscore.
     """
     found = sorted(node.get_topic_names_and_types())
     return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}
 
 
 async def topic_list(node: Node, show_types: bool = False) -> str:
-    """List the topics there are, as ``ros2 topic list``, which leaves hidden ones out; first wait until they are known.
+    """List the topics, like ``ros2 topic list``, without hidden ones; first wait until the graph is known.
 
     Args:
-        node: that asks; its thread must spin.
+        node: the node that queries the graph; its thread must spin.
         show_types: add each topic's type, as with ``-t``.
 
     Returns:
@@ -55,15 +55,15 @@ async def topic_list(node: Node, show_types: bool = False) -> str:
 
 
 async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
-    """Say who publishes and subscribes, as ``ros2 topic info``; wait a little for the topic.
+    """Describe a topic's publishers and subscriptions, like ``ros2 topic info``; wait a little for the topic.
 
     Args:
-        node: that asks; its thread must spin.
+        node: the node that queries the graph; its thread must spin.
         topic: its full name.
-        verbose: describe each publisher and subscription with its quality of service, as with ``-v``.
+        verbose: describe each publisher and subscription with its QoS, as with ``-v``.
 
     Raises:
-        TutorialError: there is no such topic; the text is that of ``ros2``.
+        TutorialError: there is no such topic; the message is that of ``ros2``.
     """
     await wait_for_graph(node, lambda: topic in topics_with_types(node, include_hidden=True))
     types = topics_with_types(node, include_hidden=True).get(topic)
@@ -80,7 +80,7 @@ async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
 
 
 def _endpoint_text(info: TopicEndpointInfo) -> str:
-    """Describe a publisher or subscription in the lines of ``ros2 topic info -v``."""
+    """Describe a publisher or subscription as ``ros2 topic info -v`` does."""
     qos = info.qos_profile
     depth = f" ({qos.depth})" if qos.history == HistoryPolicy.KEEP_LAST else ""
     return "\n".join(

@@ -1,4 +1,4 @@
-"""Messages as the YAML text that ``ros2 topic echo`` prints."""
+"""Write messages as the YAML text that ``ros2 topic echo`` prints."""
 
 import re
 import sys
@@ -14,25 +14,25 @@ from tutorial.errors import TutorialError, printable
 from tutorial.ros.topics.names import is_message
 
 TRUNCATE_LENGTH = 128
-"""How much of an array or a string ``ros2 topic echo`` prints."""
+"""Maximum number of elements or characters that ``ros2 topic echo`` prints of an array or a string."""
 
 ARRAYS = (list, tuple, array, np.ndarray)
-"""What a field of several values may hold."""
+"""Python types of array fields."""
 
 
 def message_to_yaml(message: Any, no_arr: bool = False) -> str:
-    """Write a message as YAML, its fields in their order.
+    """Write a message as YAML, with its fields in order.
 
-    Of an array or a string no more than 128 elements or characters are written, followed by ``...``. A string of
-    visible characters and line breaks stands as ``ros2`` writes it. Any other is in double quotes, where YAML has the
-    escapes that `tutorial.errors.printable` writes: read again, it is the same string.
+    An array or a string is cut after 128 elements or characters, and ``...`` is added. A string of visible characters
+    and line breaks is written as ``ros2`` writes it. Any other string is in double quotes, where the escapes of
+    `tutorial.errors.printable` are valid YAML: a YAML parser returns the same string.
 
     Args:
-        message: of any type.
-        no_arr: write of each array only what it is.
+        message: a message of any type.
+        no_arr: write only the type and length of each array.
 
     Returns:
-        Lines, of which the last ends in a line break too.
+        Lines; the last one ends in a line break, too.
     """
     plain = _plain(message, no_arr)
     text = yaml.dump(
@@ -42,15 +42,15 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
 
 
 def field_text(message: Any, field: str | None = None, no_arr: bool = False) -> str:
-    """Write a message, or a field of it, as ``ros2 topic echo``, with the closing ``---``.
+    """Write a message, or a field of it, as ``ros2 topic echo`` does, with the closing ``---``.
 
-    A field that is no message is written as Python shows it, a string line by line, with what is not visible as
-    escapes.
+    A field that is not a message is written as Python shows it, and a string line by line, with escapes for invisible
+    characters.
 
     Args:
-        message: of any type.
-        field: its name with those around it, such as ``"header.stamp"``; None for the whole message.
-        no_arr: write of each array only what it is.
+        message: a message of any type.
+        field: its dotted name, such as ``"header.stamp"``; None for the whole message.
+        no_arr: write only the type and length of each array.
 
     Raises:
         TutorialError: the message has no such field.
@@ -65,7 +65,7 @@ def field_text(message: Any, field: str | None = None, no_arr: bool = False) -> 
 
 
 class _Dumper(yaml.SafeDumper):
-    """Puts strings in double quotes that are not all visible."""
+    """Puts strings with invisible characters in double quotes."""
 
 
 def _string(dumper: _Dumper, text: str) -> yaml.ScalarNode:
@@ -77,7 +77,7 @@ _Dumper.add_representer(str, _string)
 
 
 def _plain(value: Any, no_arr: bool, kind: str = "") -> Any:
-    """Turn a field's value into what YAML knows; as in ROS 2, bytes become a string of their characters."""
+    """Convert a field's value to types that YAML knows; as in ROS 2, bytes become a string."""
     if is_message(value):
         kinds = value.get_fields_and_field_types()
         return {name: _plain(getattr(value, name), no_arr, kind) for name, kind in kinds.items()}
@@ -97,19 +97,19 @@ def _ellipsis(value: Sized) -> list[str]:
 
 
 def _long(kind: str) -> str:
-    """Name a field's type in full: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``, no length of a string."""
+    """Return a field type's full name, without string lengths: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``."""
     return re.sub(r"<\d+>", "", kind).replace("/", "/msg/")
 
 
 def _array_summary(value: Sized, kind: str) -> str:
-    """Say of an array only what it is, as ``ros2 topic echo --no-arr``.
+    """Describe an array as ``ros2 topic echo --no-arr`` does.
 
     Args:
         value: the array.
-        kind: its field's type, such as ``"sequence<double>"``.
+        kind: the type of its field, such as ``"sequence<double>"``.
 
     Returns:
-        For instance ``"<sequence type: double, length: 2>"``.
+        Text such as ``"<sequence type: double, length: 2>"``.
     """
     found = re.fullmatch(r"sequence<(\S+?)(?:, (\d+))?>", kind)
     if found is None:

@@ -1,7 +1,7 @@
-"""Names of nodes, topics and message types, as ROS 2 has them, and what other programs have in their place.
+"""Handle the names of nodes, topics and message types, including names that ROS 2 does not allow.
 
-ROS 2 checks the names that its own programs use. A program that is DDS alone may call a topic ``//x``, and a node or a
-type whatever it likes.
+ROS 2 checks the names that its own programs use. A program that uses DDS without ROS 2 can call a topic ``//x``, and
+give any name to a node or a type.
 """
 
 # ruff: noqa: PLC0415 - `tank bag info` works without rclpy
@@ -19,47 +19,47 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 LONGEST_NAME = 255
-"""Characters of a name in ROS 2."""
+"""Maximum length of a name in ROS 2 [characters]."""
 
 EVERY_NODE_HAS = ("/rosout", "/parameter_events")
-"""Topics that are there wherever there is a node."""
+"""Topics that exist wherever there is a node."""
 
 
 def full_name(name: str, namespace: str) -> str:
-    """Put a node's name and its namespace together."""
+    """Join a node's name and its namespace."""
     return f"{namespace.rstrip('/')}/{name}"
 
 
 def escape_name(name: str) -> str:
-    """Return a name as it may be printed: no more of it than ROS 2's longest, and what is not visible as escapes.
+    """Return a name that is safe to print: cut after ROS 2's maximum length, with escapes for invisible characters.
 
     Args:
-        name: of a node, a topic or a type, from any program.
+        name: the name of a node, a topic or a type, from any program.
     """
     more = len(name) - LONGEST_NAME
     return printable(name[:LONGEST_NAME]) + (f"... and {more:,} more characters" if more > 0 else "")
 
 
 def is_valid_topic(name: str) -> bool:
-    """Whether a topic's full name keeps the rules of ROS 2, which answers no question about any other."""
+    """Return whether a topic's full name follows the rules of ROS 2, whose queries refuse any other name."""
     from rclpy.exceptions import NameValidationException
     from rclpy.validate_full_topic_name import validate_full_topic_name
 
     try:
         return bool(validate_full_topic_name(name))
-    except (NameValidationException, ValueError, TypeError):  # the last two: half a character
+    except (NameValidationException, ValueError, TypeError):  # the last two: a lone surrogate
         return False
 
 
 def full_topic(node: Node, topic: str) -> str:
-    """Return a topic's full name as a node has it: absolute, and remapped.
+    """Return a topic's full name as a node resolves it: absolute and remapped.
 
     Args:
-        node: that asks.
-        topic: its name as a user types it, such as ``"joy"`` or ``"/joy"``.
+        node: the node.
+        topic: the name that a user typed, such as ``"joy"`` or ``"/joy"``.
 
     Raises:
-        TutorialError: it breaks the rules for names; the text is that of ROS 2.
+        TutorialError: the name breaks the rules; the message is that of ROS 2.
     """
     from rclpy.exceptions import NameValidationException
     from rclpy.expand_topic_name import expand_topic_name
@@ -72,12 +72,12 @@ def full_topic(node: Node, topic: str) -> str:
 
 
 def is_hidden(name: str) -> bool:
-    """Whether a node or a topic is left out of what ``ros2`` shows: a part of its name begins with an underscore."""
+    """Return whether ``ros2`` hides a node or a topic because a part of its name starts with an underscore."""
     return any(part.startswith("_") for part in name.split("/"))
 
 
 def is_message(value: Any) -> bool:
-    """Whether something is a message, or the class of messages."""
+    """Return whether a value is a message or a message class."""
     return hasattr(value, "get_fields_and_field_types")
 
 
@@ -88,7 +88,7 @@ def message_class(type_name: str) -> Any:
         type_name: such as ``"sensor_msgs/msg/Joy"``, or the short form ``"sensor_msgs/Joy"``; ROS 2 accepts both.
 
     Raises:
-        TutorialError: there is none.
+        TutorialError: there is no such type.
     """
     found = None
     try:
@@ -103,7 +103,7 @@ def message_class(type_name: str) -> Any:
 
 
 def _has_messages(package: str) -> bool:
-    """Whether a package has messages. It is not imported to find out: that runs code, and the name may be anyone's."""
+    """Return whether a package has messages, without importing it: that runs code, and the name may be anyone's."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

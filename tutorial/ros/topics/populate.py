@@ -1,4 +1,4 @@
-"""Filling a message with the values that a user wrote, with the checks of ``ros2 topic pub``."""
+"""Fill a message with the values that a user wrote, with the checks of ``ros2 topic pub``."""
 
 import re
 from array import array
@@ -20,11 +20,11 @@ Stamper = Callable[[Time], None]
 
 
 class Populated(NamedTuple):
-    """A message that a user has written.
+    """A message filled with a user's values.
 
     Attributes:
         message: the message.
-        stampers: one for each field that is to hold the time of publication.
+        stampers: functions that each set one field to the time of publication.
     """
 
     message: Any
@@ -37,9 +37,9 @@ class Populated(NamedTuple):
 
 
 def populated(type_name: str, text: str) -> Populated:
-    """Make a message and fill it.
+    """Make a message and fill it with values.
 
-    As for ``ros2 topic pub``, a header may be given as ``auto``, and a stamp as ``now``: either holds the time of
+    As with ``ros2 topic pub``, a header can be given as ``auto``, and a stamp as ``now``: both get the time of
     publication.
 
     Args:
@@ -47,8 +47,8 @@ def populated(type_name: str, text: str) -> Populated:
         text: the fields' values as YAML: ``"{header: auto, axes: [0.0, 0.5]}"``.
 
     Raises:
-        TutorialError: there is no such type, the text is no YAML, or not what the message's fields take; in the words
-            of ``ros2``.
+        TutorialError: there is no such type, the text is not YAML, or a value does not fit its field; in the words of
+            ``ros2``.
     """
     try:
         kind = message_class(type_name)
@@ -72,7 +72,7 @@ def populated(type_name: str, text: str) -> Populated:
 def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
     """Make a message from a dictionary, and append to ``stampers`` the functions that set its stamps.
 
-    The message checks what is assigned to it.
+    The message itself checks the values.
     """
     if not isinstance(values, dict):
         raise _no_dictionary(values)
@@ -92,7 +92,7 @@ def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
 
 
 def _converted(old: Any, field_type: str, value: Any, stampers: list[Stamper]) -> Any:
-    """Convert a value to the type of a field's old value, and append to ``stampers`` what sets the stamps in it."""
+    """Convert a value to the type of a field's old value; append functions that set stamps in it to ``stampers``."""
     if found := re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type):  # of messages
         element = message_class(f"{found[1]}/msg/{found[2]}")
         return [_filled(element, item, stampers) for item in value]

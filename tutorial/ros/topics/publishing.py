@@ -1,6 +1,6 @@
-"""Publishing one message again and again: ``ros2 topic pub``, as text.
+"""Publish one message repeatedly: ``ros2 topic pub``, as text.
 
-The node that publishes has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
 """
 
 import asyncio
@@ -15,30 +15,30 @@ from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import full_topic
 from tutorial.ros.topics.populate import Populated
 
-DEPTH = 10  # of the queue, as of rclpy's default profile
-LOOK_EVERY = 0.1  # [s] for subscriptions
-TELL_EVERY = 10  # of these looks
-KEEP_ALIVE = 0.1  # [s] after the last message, as ros2 does
-ACKNOWLEDGED_IN = 1.0  # [s] at most
+DEPTH = 10  # of the queue, as in rclpy's default profile
+LOOK_EVERY = 0.1  # [s] between two checks for subscriptions
+TELL_EVERY = 10  # checks between two texts that say it is waiting
+KEEP_ALIVE = 0.1  # [s] after the last message, as in ros2
+ACKNOWLEDGED_IN = 1.0  # [s], maximum
 
 
 async def topic_pub(
     node: Node, topic: str, populated: Populated, rate: float = 1.0, once: bool = False
 ) -> AsyncGenerator[str, None]:
-    """Publish a message, as ``ros2 topic pub``. Each text comes before the message that it announces is published.
+    """Publish a message repeatedly, like ``ros2 topic pub``. Yield each text before publishing its message.
 
     Args:
-        node: that publishes.
+        node: the node that publishes.
         topic: its name.
-        populated: what to publish; its stamps are set to the node's time before each publication.
-        rate: how often [Hz].
-        once: wait for a subscription, and publish to it once; else it goes on for ever.
+        populated: the message to publish; its stamps are set to the node's time before each publication.
+        rate: how often to publish [Hz].
+        once: wait for a subscription and publish once, instead of publishing forever.
 
     Yields:
-        What ``ros2 topic pub`` prints.
+        Text, as ``ros2 topic pub`` prints it.
 
     Raises:
-        TutorialError: the topic's name breaks the rules for names; the text is that of ROS 2.
+        TutorialError: the topic's name breaks the rules; the message is that of ROS 2.
     """
     message = populated.message
     try:
@@ -60,7 +60,7 @@ async def topic_pub(
             publisher.publish(message)
             if once:
                 break
-            due = max(due + 1 / rate, time.monotonic())  # after a delay it does not hurry
+            due = max(due + 1 / rate, time.monotonic())  # don't catch up after a delay
             await asyncio.sleep(due - time.monotonic())
         await asyncio.to_thread(publisher.wait_for_all_acked, Duration(seconds=ACKNOWLEDGED_IN))
         await asyncio.sleep(KEEP_ALIVE)
