@@ -78,8 +78,8 @@ def test_page_shows_the_examples(mine):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("std_msgs", "ROS 2 has a package 'std_msgs' already. Call yours 'my_std_msgs'"),
-        ("tf2_msgs", "ROS 2 has a package 'tf2_msgs' already"),
+        ("std_msgs", "ROS 2 already has a package 'std_msgs'. Choose a different name, such as 'my_std_msgs'"),
+        ("tf2_msgs", "ROS 2 already has a package 'tf2_msgs'"),
         ("numpy", "Python already has a module or keyword 'numpy'"),
         ("MyMsgs", "Did you mean 'my_msgs'?"),
         ("", "cannot be a package's name"),

@@ -1,1 +1,1 @@
-"""The real rclpy that PyPI has as wheels, in a folder of its own beside the Python environment."""
+"""The real rclpy that PyPI has as wheels, in a folder of its own outside the Python environment."""

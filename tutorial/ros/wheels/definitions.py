@@ -14,16 +14,16 @@ from tutorial.ros.wheels import folder
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
 
 MESSAGE = re.compile(r"^(?:(\w+)/)?([A-Z]\w*)", re.MULTILINE)
-"""A field's type that is a message, and its package. The types of constants and of other fields are in lower case."""
+"""A field type that is a message, with its package. Types of constants and of other fields are lowercase."""
 
 
 def find_mistake(source: Path, package: str, prefix: Path) -> str:
-    """Return the first mistake in the definitions of a package, and its file; empty if there is none.
+    """Return the first mistake in a package's definitions, with its file; ``""`` if there is none.
 
     Args:
         source: the package's folder.
         package: its name.
-        prefix: the folder of the real ROS 2, which has its parser and the messages of other packages.
+        prefix: the folder of the real ROS 2, which contains its parser and the messages of other packages.
     """
     parser = runpy.run_path(str(folder.site_packages(prefix) / "rosidl_adapter/parser.py"))
     makes = (source / "CMakeLists.txt").read_text(encoding="utf-8")
@@ -31,9 +31,9 @@ def find_mistake(source: Path, package: str, prefix: Path) -> str:
         for file in sorted(source.glob(f"{kind}/*.{kind}")):
             place = f"{kind}/{file.name}"
             try:
-                with redirect_stderr(StringIO()):  # it also prints some of its errors
+                with redirect_stderr(StringIO()):  # the parser also prints some of its errors
                     parser[f"parse_{name}_file"](package, file)
-            except Exception as error:  # noqa: BLE001 - it raises a dozen kinds, NameError among them
+            except Exception as error:  # noqa: BLE001 - it raises a dozen kinds of exceptions, even NameError
                 return f"{place}: {type(error).__name__}: {error}"
             for other, message in MESSAGE.findall(file.read_text(encoding="utf-8")):
                 home = prefix / "share" / other if other not in ("", package) else source

