@@ -57,7 +57,7 @@ def test_reading_waits_its_turn(node, stranger, monkeypatch):
     ("names", "said"),
     [
         (["x" * 200] * 400, "it has .* bytes, at most 32,768 are read"),
-        (["no_utf"], ".* bytes are no ParticipantEntitiesInfo: .*"),
+        (["no_utf"], ".* bytes are not a ParticipantEntitiesInfo: .*"),
     ],
     ids=["long", "broken"],
 )

@@ -107,7 +107,7 @@ def test_a_wrong_value_names_its_field(cls, field, value, member):
     ids=lambda value: f"{len(value)} bytes" if isinstance(value, bytes) else value.__name__,
 )
 def test_invalid_bytes_are_refused(data, cls):
-    with pytest.raises(RuntimeError, match=f"^failed to deserialize .*: {len(data)} bytes are no {cls.__name__}: ."):
+    with pytest.raises(RuntimeError, match=f"^failed to deserialize .*: {len(data)} bytes are not a {cls.__name__}: ."):
         deserialize_message(data, cls)
 
 

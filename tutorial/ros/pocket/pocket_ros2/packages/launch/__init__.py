@@ -1,7 +1,7 @@
 """The part of ROS 2 launch that the tutorial's launch files use: a list of processes, as data.
 
-A launch file is the one list of processes, with and without ROS: ``ros2 launch`` reads it with the real package, the
-tutorial's launcher with this one.
+The same launch file works with and without a real ROS 2: ``ros2 launch`` reads it with the real package, the tutorial's
+launcher with this one.
 """
 
 from collections.abc import Iterable
@@ -15,7 +15,7 @@ __getattr__ = absent_names(__name__, TABLE["names"][__name__])
 
 
 class LaunchDescription:
-    """What a launch file describes.
+    """The processes that a launch file describes.
 
     Args:
         initial_entities: the processes to start, in order.
@@ -25,5 +25,5 @@ class LaunchDescription:
         self.entities: list[ExecuteProcess] = list(initial_entities or [])
 
     def add_action(self, action: ExecuteProcess) -> None:
-        """Add one more process."""
+        """Add a process."""
         self.entities.append(action)

@@ -16,11 +16,11 @@ class ExecuteProcess:
 
     Attributes:
         cmd: the program and its arguments.
-        name: how to call the process in output.
+        name: the process's name in output.
         cwd: directory to start in.
-        env: its whole environment; None inherits.
-        additional_env: variables on top of the environment.
-        output: where its output goes, for instance ``"screen"``.
+        env: the complete environment; None inherits it.
+        additional_env: variables to add to the environment.
+        output: where the process's output goes, such as ``"screen"``.
         shell: run the command in a shell.
     """
 

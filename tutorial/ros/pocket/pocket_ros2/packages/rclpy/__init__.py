@@ -1,7 +1,7 @@
 """The pocket ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, on Cyclone DDS.
 
-It speaks to real ROS 2 programs: same topic names, types, quality of service and node graph. What it has not raises
-``rclpy.exceptions.NeedsRealROSError``.
+It communicates with real ROS 2 programs: topic names, types, quality of service and node graph are the same. Using
+anything that is missing raises ``rclpy.exceptions.NeedsRealROSError``.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ try:
     import cyclonedds as _cyclonedds  # noqa: F401
 except ImportError as error:
     raise ImportError(
-        "The pocket ROS 2 needs the package cyclonedds, which is not installed. Where pip finds none (Linux on ARM), "
+        "The pocket ROS 2 needs the package cyclonedds, which is not installed. If pip finds none (Linux on ARM), "
         "use a real ROS 2 Jazzy: https://docs.ros.org/en/jazzy/Installation.html"
     ) from error
 
@@ -47,13 +47,13 @@ def init(
     """Start ROS 2.
 
     Args:
-        args: the command line; None takes ``sys.argv``.
-        context: None takes the default one.
-        domain_id: None takes ``ROS_DOMAIN_ID``, or 0.
-        signal_handler_options: which signals shut down; None means all for the default context and none for another.
+        args: the command line; None uses ``sys.argv``.
+        context: the context to start; None uses the default one.
+        domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0.
+        signal_handler_options: signals that shut ROS 2 down; None means all for the default context only.
 
     Raises:
-        RuntimeError: it has been started.
+        RuntimeError: the context has been started before.
     """
     default = context is None or context is get_default_context()
     (context or get_default_context()).init(args, domain_id=domain_id)
@@ -63,7 +63,7 @@ def init(
 
 
 def get_global_executor() -> Executor:
-    """Return the executor that is meant when none is given."""
+    """Return the executor that is used when none is given."""
     global _executor  # noqa: PLW0603
     with _lock:
         if _executor is None:
@@ -75,22 +75,22 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     """Shut ROS 2 down.
 
     Args:
-        context: None takes the default one.
-        uninstall_handlers: let signals do again what they did before; None means so for the default context.
+        context: the context to shut down; None uses the default one.
+        uninstall_handlers: restore the previous signal handlers; None restores them for the default context.
 
     Raises:
-        RuntimeError: it has not been started, or has been shut down.
+        RuntimeError: the context has not been started, or has been shut down.
     """
     _end(utilities.shutdown, context, uninstall_handlers)
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut ROS 2 down if it is running; arguments as for :func:`shutdown`."""
+    """Shut ROS 2 down if it is running; see :func:`shutdown`."""
     _end(utilities.try_shutdown, context, uninstall_handlers)
 
 
 def create_node(node_name: str, **options: Any) -> Node:
-    """Make a node; see :class:`rclpy.node.Node`."""
+    """Create a node; see :class:`rclpy.node.Node`."""
     return Node(node_name, **options)
 
 
@@ -98,20 +98,20 @@ def spin(node: Node, executor: Executor | None = None) -> None:
     """Run a node's callbacks until ROS 2 is shut down.
 
     Args:
-        node: whose.
-        executor: None takes the global one.
+        node: the node.
+        executor: the executor to use; None uses the global one.
     """
     with _running(node, executor) as running:
         running.spin()
 
 
 def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
-    """Wait for one of a node's callbacks to run, and run it.
+    """Run one of a node's callbacks, waiting for one if necessary.
 
     Args:
-        node: whose.
-        executor: None takes the global one.
-        timeout_sec: how long to wait [s]; None or negative: without end.
+        node: the node.
+        executor: the executor to use; None uses the global one.
+        timeout_sec: how long to wait [s]; None or a negative number waits forever.
     """
     with _running(node, executor) as running:
         running.spin_once(timeout_sec=timeout_sec)
@@ -123,10 +123,10 @@ def spin_until_future_complete(
     """Run a node's callbacks until a future is done or time runs out.
 
     Args:
-        node: whose.
-        future: which one.
-        executor: None takes the global one.
-        timeout_sec: how long to wait [s]; None or negative: without end.
+        node: the node.
+        future: the future.
+        executor: the executor to use; None uses the global one.
+        timeout_sec: how long to wait [s]; None or a negative number waits forever.
     """
     with _running(node, executor) as running:
         running.spin_until_future_complete(future, timeout_sec)
@@ -143,7 +143,7 @@ def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
 
 
 def _end(shut_down: Any, context: Context | None, uninstall_handlers: bool | None) -> None:
-    """Stop the global executor without waiting for it, because a callback may be asking for this; then the context."""
+    """Shut down the global executor without waiting, because a callback may be the caller; then the context."""
     global _executor  # noqa: PLW0603
     default = context is None or context is get_default_context()
     with _lock:

@@ -1,4 +1,4 @@
-"""What rclpy has and the pocket ROS 2 has not: whoever asks for it learns what needs a real ROS 2."""
+"""Refuse the parts of rclpy that the pocket ROS 2 does not have, and explain that they need a real ROS 2."""
 
 import inspect
 import json
@@ -11,11 +11,11 @@ from typing import Any
 from _absent import FROM_PYPI, AbsentAttributeError, AbsentModules, NeedsRealROSError, absent_names
 
 TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="utf-8"))
-"""By kind the names that rclpy's has and ours has not: modules, attributes of modules and classes, options."""
+"""Names that only a real rclpy has, by kind: modules, attributes of modules and classes, options."""
 
 
 def install() -> None:
-    """Have all that the table names refused from now on."""
+    """Start refusing all names in the table."""
     sys.meta_path.append(AbsentModules([f"rclpy.{name}" for name in TABLE["modules"]]))
     for owner, names in TABLE["attributes"].items():
         place = resolve_name(owner)
@@ -27,9 +27,9 @@ def install() -> None:
 
 
 class AbsentAttribute:
-    """Stands in a class for what rclpy's has and ours has not.
+    """Placeholder in a class for an attribute that only a real rclpy has.
 
-    A ``__getattr__`` of the class would do, too, but with one Python looks up whatever objects have the slow way.
+    A ``__getattr__`` in the class would work, too, but would slow down the lookup of all attributes.
     """
 
     def __init__(self, name: str) -> None:
@@ -40,11 +40,11 @@ class AbsentAttribute:
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
-    """Refuse options of a function that rclpy's has and ours has not, if they are used.
+    """Refuse options of a function that only a real rclpy has, if they are used.
 
     Raises:
-        NeedsRealROSError: one of them is.
-        TypeError: rclpy's does not have it either.
+        NeedsRealROSError: such an option is used.
+        TypeError: a real rclpy does not have the option either.
     """
     for option, value in options.items():
         if option not in TABLE["options"][function]:
@@ -57,7 +57,7 @@ def refuse_coroutine(callback: Any) -> None:
     """Refuse a callback that is a coroutine function.
 
     Raises:
-        NeedsRealROSError: it is.
+        NeedsRealROSError: the callback is a coroutine function.
     """
     if inspect.iscoroutinefunction(callback):
         raise NeedsRealROSError("callbacks that are coroutines", FROM_PYPI)

@@ -1,4 +1,4 @@
-"""What stands between ``--ros-args`` and ``--`` on a command line: remappings, parameters, log levels."""
+"""Parse the ROS arguments between ``--ros-args`` and ``--`` on a command line: remappings, parameters, log levels."""
 
 import json
 import re
@@ -16,18 +16,18 @@ from rclpy.logging import LoggingSeverity, get_logger
 REMAP, PARAMETER, LOG_LEVEL, PARAMETER_FILE = "remap rule", "parameter override rule", "log level", "parameter file"
 LOG_CONFIGURATION, ENCLAVE, LOG_FILE = "log configuration", "enclave path", "string prefix"
 TABLE = json.loads(Path(__file__).with_name("arguments.json").read_text(encoding="utf-8"))
-"""The flags that take a value, each with what that is; those that take none; and the words for yes and no."""
+"""Flags that take a value, with the kind of value; flags that take none; and the words for yes and no."""
 FLAGS: dict[str, str] = TABLE["flags"]
 RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
 READABLE = re.compile(r"([\w/~{}*]+:(?!=))?(rostopic://)?[\w/~{}*]*(:=[\w/~{}*]*)?")
-"""How far a remapping can be read."""
+"""The part of a remapping, from its beginning, that rcl can read."""
 TOKEN = r"(?!\w*__)[A-Za-z_]\w*"
 TOPIC = rf"(?:~?/)?{TOKEN}(?:/{TOKEN})*"
 REMAPPING = re.compile(
     rf"(?:{TOKEN}:)?(?:(?:ros(?:topic|service)://)?{TOPIC}:={TOPIC}|__(?:node|name):={TOKEN}|__ns:=/(?:{TOKEN}(?:/{TOKEN})*)?)",
     re.ASCII,
 )
-"""A remapping whose names are valid."""
+"""A remapping with valid names."""
 
 
 class Rule(NamedTuple):
@@ -43,9 +43,9 @@ class Arguments:
     """The ROS arguments of a process or a node.
 
     Attributes:
-        remappings: in the order in which they were given; the first that fits applies.
-        parameters: in the order in which they were given; the last that fits applies.
-        log_levels: severities by logger name; "" is the default of all.
+        remappings: in the given order; the first one that matches applies.
+        parameters: in the given order; the last one that matches applies.
+        log_levels: severities by logger name; "" is the default of all loggers.
         disabled_logs: outputs that get no log lines, such as ``"rosout"`` and ``"stdout"``.
         log_configuration: path of a file that configures logging, which Jazzy cannot read; "" if not given.
         enclave: the security enclave's name.
@@ -60,11 +60,11 @@ class Arguments:
 
     @classmethod
     def parse(cls, args: Sequence[str]) -> Self:
-        """Read a command line.
+        """Parse a command line.
 
         Raises:
-            RCLError: a value cannot be read.
-            UnknownROSArgsError: there are others than ROS 2 knows.
+            RCLError: a value cannot be parsed.
+            UnknownROSArgsError: there is an argument that ROS 2 does not know.
         """
         arguments, unknown = cls(), []
         ros_args = iter(split(args)[0])
@@ -80,17 +80,17 @@ class Arguments:
         return arguments
 
     def node_value(self, node: str, name: str) -> str | None:
-        """Return what ``__node`` or ``__ns`` of a node is remapped to, if it is."""
+        """Return what a node's ``__node`` or ``__ns`` is remapped to, or None if it is not remapped."""
         names = (name, "__name") if name == "__node" else (name,)
         return next((rule.value for rule in self.remappings if rule.node in ("", node) and rule.name in names), None)
 
     def topic(self, full_name: str, node: str, namespace: str) -> str | None:
-        """Return what a topic is remapped to, if it is.
+        """Return what a topic is remapped to, or None if it is not remapped.
 
         Args:
-            full_name: of the topic.
-            node: that uses it.
-            namespace: of that node; relative names in rules are meant in it.
+            full_name: the topic's full name.
+            node: name of the node that uses it.
+            namespace: the node's namespace; relative names in rules are relative to it.
         """
         for rule in self.remappings:
             meant = rule.node in ("", node) and not rule.name.startswith("__")
@@ -99,11 +99,11 @@ class Arguments:
         return None
 
     def overrides(self, node: str) -> Iterator[tuple[str, Any]]:
-        """Return names and values of the parameters that are given for a node."""
+        """Return the name and value of each parameter that is given for a node."""
         return ((rule.name, rule.value) for rule in self.parameters if rule.node in ("", node))
 
     def check_enclave(self) -> None:
-        """Check the enclave's name. It has no further effect here.
+        """Check the enclave's name. It has no other effect here.
 
         Raises:
             RCLError: the name breaks the rules.
@@ -149,7 +149,7 @@ class Arguments:
         node, name, value = parts["node"] or "", parts["name"], parts["value"]
         if kind == REMAP:
             if not REMAPPING.fullmatch(text):
-                raise _unreadable(f"{failure} '{name}' cannot be remapped to '{value}', for one is not a valid name")
+                raise _unreadable(f"{failure} '{name}' cannot be remapped to '{value}', as one is not a valid name")
             if not name.startswith("rosservice://"):
                 self.remappings.append(Rule(node, name, value))
             return
@@ -160,7 +160,7 @@ class Arguments:
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Separate a command line into (ROS arguments, the others)."""
+    """Split a command line into ROS arguments and other arguments."""
     ros_args, others = list[str](), list[str]()
     target = others
     for arg in args:
@@ -174,17 +174,17 @@ def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def parameter_value(text: str) -> Any:
-    """Read a parameter's value, YAML as rcl understands it: ``1e3`` is a number and ``y`` a truth value.
+    """Parse a parameter's value. As in rcl's YAML, ``1e3`` is a number and ``y`` a boolean.
 
     Raises:
-        ValueError: it is neither a scalar nor a list of scalars of one type.
+        ValueError: the text is neither a scalar nor a list of scalars of one type.
     """
     import yaml  # noqa: PLC0415  (rarely needed)
 
     try:
         node = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.YAMLError as error:
-        raise ValueError(f"it is no YAML: {error}") from None
+        raise ValueError(f"it is not valid YAML: {error}") from None
     if isinstance(node, yaml.SequenceNode) and all(isinstance(item, yaml.ScalarNode) for item in node.value):
         values = [_scalar(item.value, item.style) for item in node.value]
         if len({type(value) for value in values}) > 1:

@@ -1,6 +1,6 @@
-"""Where this process stands in a DDS domain, and how far it can be heard.
+"""Join a DDS domain, with limits on who can discover this process.
 
-By default nobody outside this machine hears it, so that a room full of students don't drive each other's tanks.
+By default nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
 """
 
 import errno
@@ -21,8 +21,8 @@ REACHES = ("OFF", "LOCALHOST", "SUBNET", "SYSTEM_DEFAULT")
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
 FATAL_AND_ERROR = 3
-"""What Cyclone DDS may print. Whoever sends it rubbish causes a warning for each packet, and there is nothing against
-that in its configuration; those about the configuration itself come before."""
+"""Kinds of messages that Cyclone DDS may print. Each malformed packet causes a warning, which its configuration cannot
+turn off. Warnings about the configuration itself are printed before this setting takes effect."""
 
 LOOPBACK = ("127.0.0.1", 9)
 TURN_ON_LOOPBACK = "sudo ifconfig lo0 up" if sys.platform == "darwin" else "sudo ip link set lo up"
@@ -32,19 +32,19 @@ _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
 
 lock = threading.RLock()
-"""Held while an entity of DDS is made, listed or deleted: Cyclone DDS's Python cannot bear one thread's deleting what
-another is making something of."""
+"""Hold this to make, list or delete a DDS entity: Cyclone DDS's Python package cannot handle one thread deleting an
+entity that another thread uses to make something."""
 
 
 _forked = False
-"""Whether this process is the copy of one that took part in a domain."""
+"""Whether this process was forked from one that took part in a domain."""
 
 
 def default_domain_id() -> int:
-    """Return the domain that ``ROS_DOMAIN_ID`` names, or 0.
+    """Return the domain in ``ROS_DOMAIN_ID``, or 0 if it is not set.
 
     Raises:
-        RCLError: it is no number from 0 to 232.
+        RCLError: it is not a number from 0 to 232.
     """
     text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
     if not (text.isdecimal() and int(text) <= MAX_DOMAIN_ID):
@@ -53,11 +53,11 @@ def default_domain_id() -> int:
 
 
 def configuration() -> str:
-    """Return Cyclone DDS's configuration for the discovery range that the environment asks for.
+    """Return Cyclone DDS's configuration for the discovery range in the environment.
 
     ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here), SUBNET or SYSTEM_DEFAULT, which leaves
-    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. What a ``CYCLONEDDS_URI``
-    says comes on top, as with ROS 2's own use of Cyclone DDS.
+    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. ``CYCLONEDDS_URI`` is
+    added to this configuration, as in ROS 2's own use of Cyclone DDS.
 
     Raises:
         RCLError: the range is none of these, or a peer cannot be found.
@@ -79,7 +79,7 @@ def configuration() -> str:
 
 
 def _address(peer: str) -> str:
-    """Return a peer's address, looked up here: where Cyclone DDS cannot find one it ends the process."""
+    """Return a peer's IP address. Cyclone DDS would end the process if its own lookup failed."""
     host, colon, port = peer.strip().partition(":")
     try:
         if colon and not 0 < int(port) < 65_536:
@@ -91,7 +91,7 @@ def _address(peer: str) -> str:
 
 
 def _discovery(reach: str, peers: list[str]) -> str:
-    """Return how to look for others."""
+    """Return the part of the configuration that controls discovery."""
     if reach == "OFF":
         return f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
     everyone = ("127.0.0.1", *map(_address, peers))
@@ -101,11 +101,11 @@ def _discovery(reach: str, peers: list[str]) -> str:
 
 
 def join(domain_id: int) -> DomainParticipant:
-    """Take part in a domain. Several participants of a process share its configuration and its ports.
+    """Join a domain. All participants of a process share its configuration and ports.
 
     Raises:
-        RCLError: too many processes on this machine take part already, the loopback interface is down, Cyclone DDS
-            cannot start, or this process was forked from one that took part.
+        RCLError: too many processes on this machine have joined, the loopback interface is down, Cyclone DDS cannot
+            start, or this process was forked from one that had joined.
     """
     if _forked:
         raise RCLError(
@@ -126,12 +126,12 @@ def join(domain_id: int) -> DomainParticipant:
 
 
 def _cause(error: DDSException) -> str:
-    """Name the most likely cause of an error: Cyclone DDS itself only gives a number."""
+    """Return the most likely cause of an error: Cyclone DDS itself only gives a number."""
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (
-        f"{error} Most often too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
-        "here). Stop some, or give ROS_DOMAIN_ID another number."
+        f"{error} Usually too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
+        "here). Stop some, or set ROS_DOMAIN_ID to a different number."
     )
 
 
@@ -145,7 +145,7 @@ def _loopback_is_up() -> bool:
 
 
 def leave(participant: DomainParticipant, domain_id: int) -> None:
-    """Close a participant and all that belongs to it; with the last of the process, its ports and threads."""
+    """Close a participant and its entities. If it is the process's last one, also free ports and threads."""
     with lock:
         close(participant)
         _users[domain_id] -= 1
@@ -155,8 +155,8 @@ def leave(participant: DomainParticipant, domain_id: int) -> None:
 def close(entity: Entity) -> None:
     """Delete an entity now.
 
-    Cyclone DDS's Python objects do it in their finaliser, which may run early and more than once. Waiting for it would
-    leave the moment to whoever still holds a reference.
+    Cyclone DDS's Python objects do this in their finaliser, which is safe to run early and more than once. Without this
+    call it would run only when the last reference is gone.
     """
     with lock:
         entity.__del__()
@@ -168,11 +168,11 @@ def _close_if_unused(domain_id: int) -> None:
 
 
 def _forget() -> None:
-    """Let go of DDS without a call into it, in a process just forked: its threads are not there, and it would wait."""
+    """Drop all DDS entities in a newly forked process, without calls into DDS: they would wait for missing threads."""
     global _forked  # noqa: PLW0603
     _forked = _forked or bool(_domains)
     for entity in list(Entity._entities.values()):
-        entity._ref = 0  # of no entity, so that every call of it fails, and its finaliser does nothing
+        entity._ref = 0  # no entity, so every call fails, and the finaliser does nothing
     Entity._entities.clear()
     _domains.clear()
     _users.clear()

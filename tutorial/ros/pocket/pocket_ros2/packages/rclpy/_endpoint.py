@@ -1,4 +1,4 @@
-"""What publishers and subscriptions have in common: an end in DDS."""
+"""The common base of publishers and subscriptions: an endpoint in DDS."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ if TYPE_CHECKING:
 
 
 class Endpoint(Destroyable):
-    """Base of :class:`Publisher` and :class:`Subscription`; may be used from any thread.
+    """Base of :class:`Publisher` and :class:`Subscription`; can be used from any thread.
 
     Args:
-        node: that it belongs to.
-        msg_type: class of its messages.
-        topic: as the program calls it.
-        qos_profile: how hard to try.
+        node: the node that it belongs to.
+        msg_type: the class of its messages.
+        topic: the topic's name, as the program gives it.
+        qos_profile: its QoS.
 
     Attributes:
-        event_sources: what the executor waits on: partners that don't fit, and messages.
+        event_sources: DDS entities whose events wake the executor: incompatible partners, and messages.
         guid: its identifier in DDS.
     """
 
     _kind: type[DataWriter[Any] | DataReader[Any]]
     _noun: str
-    """What a log line calls it, be it of a program's own class or not."""
+    """The endpoint's name in log lines, also for a program's own subclass."""
     _incompatible: int
-    """The event of a partner that does not fit."""
+    """Cyclone DDS's status of an incompatible partner."""
     _get_incompatible: str
-    """Name of Cyclone DDS's method that tells more of it."""
+    """Name of the method that returns details about this status."""
     _warning: str
 
     def __init__(self, node: Node, msg_type: type[Message], topic: str, qos_profile: QoSProfile) -> None:
@@ -66,9 +66,9 @@ class Endpoint(Destroyable):
         return self._topic_name
 
     def destroy(self) -> None:
-        """Destroy it; may be called again. Messages that wait for a callback are dropped.
+        """Destroy the endpoint. Idempotent. Messages that wait for a callback are dropped.
 
-        As in rclpy the node still counts it among its own, which no executor of rclpy's bears: its log says so once.
+        As in rclpy, the node still lists it. A real rclpy's executors fail on that, so a warning is logged once.
         """
         if self._node._remove(self, keep=True) and self._node.context.ok():
             kind = self._noun
@@ -79,14 +79,14 @@ class Endpoint(Destroyable):
             )
 
     def close(self) -> None:
-        """Leave DDS. Called by the node."""
+        """Delete the DDS entities. Called by the node."""
         self._destroyed = True
         close(self._dds)
         close(self._topic)
 
     def report_events(self) -> None:
-        """Log a partner that does not fit. Called by the executor."""
-        with suppress(DDSException):  # destroyed at this moment
+        """Log an incompatible partner. Called by the executor."""
+        with suppress(DDSException):  # the endpoint may be destroyed meanwhile
             if not self._dds.take_status(self._incompatible):
                 return
             policy = getattr(self._dds, self._get_incompatible)().last_policy_id
@@ -98,7 +98,7 @@ class Endpoint(Destroyable):
             self._node.get_logger().warning(text)
 
     def _count_matched(self, status: str, what: str) -> int:
-        """Return the number of partners that fit, by the name of Cyclone DDS's method."""
+        """Return the number of matched partners. ``status`` is the name of a method of Cyclone DDS."""
         self._require_handle()
         try:
             return int(getattr(self._dds, status)().current_count)
@@ -113,7 +113,7 @@ class Endpoint(Destroyable):
         return RCLError(f"{what}: {self._noun}'s context is invalid")
 
     def _explain(self, error: DDSException, what: str) -> RuntimeError:
-        """Return what rclpy raises instead of Cyclone DDS's error."""
+        """Return the exception that rclpy raises instead of Cyclone DDS's error."""
         if self._destroyed:
             return InvalidHandle()
         if not self._node.context.ok():

@@ -1,4 +1,4 @@
-"""From rclpy's QoS profiles to Cyclone DDS's policies, and back."""
+"""Convert rclpy's QoS profiles to Cyclone DDS's policies, and back."""
 
 from _rosidl.definitions import type_hash
 from _rosidl.message import Message
@@ -10,16 +10,16 @@ FOREVER = 2**63 - 1
 UNLIMITED = -1
 INCOMPATIBLE_TYPE = 24
 POLICY_NAMES = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILITY"}
-"""DDS's numbers of the policies that can keep a publisher and a subscription apart."""
+"""Numbers in DDS of the policies that can make a publisher and a subscription incompatible."""
 
 
 def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos:
-    """Return the policies of a writer or reader.
+    """Return the DDS policies of a writer or reader.
 
     Args:
-        profile: what the program asks for; what is best available is for a writer the most, for a reader the least.
+        profile: the requested QoS; "best available" means the most for a writer, the least for a reader.
         msg_type: class of the messages; its hash is announced with the endpoint.
-        writer: for a writer, else for a reader.
+        writer: whether the policies are for a writer.
 
     Raises:
         TypeError: the depth is negative.
@@ -33,7 +33,7 @@ def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos
     manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
     liveliness = Policy.Liveliness.ManualByTopic if manual else Policy.Liveliness.Automatic
     policies = [
-        Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode()),  # or ROS 2 complains
+        Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode()),  # otherwise ROS 2 warns
         history,
         Policy.Reliability.BestEffort if best_effort else Policy.Reliability.Reliable(FOREVER),
         Policy.Durability.TransientLocal if kept else Policy.Durability.Volatile,
@@ -48,7 +48,7 @@ def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos
 
 
 def from_dds(qos: Qos) -> QoSProfile:
-    """Return the profile of an endpoint as it was discovered."""
+    """Return the profile of a discovered endpoint."""
     history, liveliness = qos[Policy.History], qos[Policy.Liveliness]
     last = isinstance(history, Policy.History.KeepLast)
     reliable = isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
@@ -67,6 +67,6 @@ def from_dds(qos: Qos) -> QoSProfile:
 
 
 def _span(duration: Duration) -> int:
-    """Return a span for DDS [ns], where 0 and what is best available stand for none."""
+    """Return a duration for DDS [ns]; 0 and "best available" mean no limit."""
     nanoseconds = duration.nanoseconds
     return nanoseconds if 0 < nanoseconds < FOREVER - 1 else FOREVER

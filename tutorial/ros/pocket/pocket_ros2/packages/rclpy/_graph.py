@@ -1,7 +1,7 @@
-"""Who is there: nodes, and the publishers and subscriptions on topics.
+"""The node graph: nodes, and the publishers and subscriptions on topics.
 
-DDS knows participants, writers and readers, not nodes. In ROS 2 every participant tells on the topic
-``ros_discovery_info`` which nodes it holds and which endpoints are whose; the whole list again at each change.
+DDS knows participants, writers and readers, not nodes. In ROS 2 every participant publishes its nodes and their
+endpoints on the topic ``ros_discovery_info``, and repeats the whole list on each change.
 """
 
 import ctypes
@@ -29,24 +29,24 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
 PUBLISHERS, SUBSCRIPTIONS = builtin.BuiltinTopicDcpsPublication, builtin.BuiltinTopicDcpsSubscription
 MANY = 4096
-"""More endpoints than are ever read at once."""
+"""Maximum number of endpoints in one read; there are never so many."""
 AT_ONCE = 256
-"""How many announcements are taken at once, so that taking them has an end where they keep coming."""
+"""Maximum number of announcements to take at once, so that a constant stream of them cannot block the caller."""
 LONGEST = 32_768
-"""The longest announcement that is read [bytes]: some 100 nodes in one process, with all that they publish. That takes
-some 10 ms, or 40 where Python collects garbage meanwhile; whoever asks for nodes waits for two of them at most."""
+"""Maximum size of an announcement [bytes]: about 100 nodes in one process, with all their publishers. Decoding it takes
+about 10 ms, or 40 during a garbage collection; a query for nodes decodes at most two of them."""
 
 Entry = TypeVar("Entry")
 DiscoveredEndpoint = Any
-"""A discovered writer or reader: its ``guid``, ``topic_name``, ``type_name``, and ``qos`` where that was asked for."""
+"""A discovered writer or reader: its ``guid``, ``topic_name``, ``type_name``, and ``qos`` if requested."""
 
 
 TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
-"""Where Cyclone DDS's ``dds_builtintopic_endpoint_t`` has these pointers [words of 8 bytes], behind two guids and a
-handle. What it lists of a participant begins with a guid, too, with these policies behind it."""
+"""Offsets of these pointers in Cyclone DDS's ``dds_builtintopic_endpoint_t`` [words of 8 bytes], after two guids and a
+handle. An entry for a participant also begins with a guid, followed by these policies."""
 PARTICIPANT_QOS = 2
 MADE_FOR = "11.0.1"
-"""The version of the package cyclonedds in which these places were verified; the C API does not promise them."""
+"""The verified version of the package cyclonedds: its C API does not guarantee these offsets."""
 
 _announced = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _WRITER_QOS, _base = (to_dds(_announced, ParticipantEntitiesInfo, writer=writer) for writer in (True, False))
@@ -54,17 +54,17 @@ _READER_QOS = Qos(Policy.History.KeepAll, Policy.IgnoreLocal.Participant, base=_
 
 
 class Graph:
-    """The node graph as seen from one participant; may be used from any thread.
+    """The node graph as seen from one participant; can be used from any thread.
 
     Args:
-        participant: which one.
+        participant: the participant.
 
     Attributes:
-        participant: that one.
-        changes: what the executor waits on for :meth:`listen`.
+        participant: as given.
+        changes: the condition that the executor waits for before it calls :meth:`listen`.
 
     Raises:
-        RuntimeError: the package cyclonedds has another version than the verified one.
+        RuntimeError: the installed version of cyclonedds is not the verified one.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
@@ -82,7 +82,7 @@ class Graph:
         self.changes = ReadCondition(self._reader, ViewState.Any | SampleState.Any | InstanceState.Any)
 
     def add_node(self, namespace: str, name: str) -> NodeEntitiesInfo:
-        """Announce a node of this process; what is returned stands for it in the other methods."""
+        """Announce a node of this process, and return the entry that stands for it in the other methods."""
         node = NodeEntitiesInfo(node_namespace=namespace, node_name=name)
         with lock:
             self._local.append(node)
@@ -90,22 +90,22 @@ class Graph:
         return node
 
     def remove_node(self, node: NodeEntitiesInfo) -> None:
-        """Announce that a node is gone."""
+        """Announce that a node was removed."""
         with lock:
             self._local = [other for other in self._local if other is not node]
             self._announce()
 
     def set_endpoints(self, node: NodeEntitiesInfo, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
-        """Announce which writers and readers are a node's, by their identifiers."""
+        """Announce a node's writers and readers, by their identifiers."""
         with lock:
             node.writer_gid_seq = [Gid(data=list(guid)) for guid in writers]
             node.reader_gid_seq = [Gid(data=list(guid)) for guid in readers]
             self._announce()
 
     def nodes(self) -> list[NodeEntitiesInfo]:
-        """Return all nodes there are, those of this process first.
+        """Return all known nodes, those of this process first.
 
-        Of what was announced no more than about :data:`LONGEST` is read at a time, in turn; the rest the next time.
+        Each call decodes about :data:`LONGEST` bytes of announcements at most, and leaves the rest to the next one.
         """
         with lock:
             self.listen()
@@ -118,15 +118,15 @@ class Graph:
             return [*self._local, *(node for nodes in self._remote.values() for node in nodes)]
 
     def owners(self) -> dict[bytes, NodeEntitiesInfo]:
-        """Return the nodes by the identifiers of their writers and readers."""
+        """Return nodes by the identifiers of their writers and readers."""
         return {
             gid.data.tobytes(): node for node in self.nodes() for gid in (*node.writer_gid_seq, *node.reader_gid_seq)
         }
 
     def is_complete(self) -> bool:
-        """Whether all ROS 2 programs that were discovered have told their nodes, and all that these have is there.
+        """Return whether all discovered ROS 2 programs have announced their nodes, and all endpoints are discovered.
 
-        Discovery finds the programs first. Fast DDS tells of its nodes at once, or seconds later.
+        Discovery finds the programs first. Fast DDS announces its nodes at once, or seconds later.
         """
         with lock:
             told = self.owners().keys() | {self.participant.guid.bytes, *self._remote}
@@ -138,26 +138,26 @@ class Graph:
             return not self._unread and not any(unknown) and told <= found
 
     def listen(self) -> None:
-        """Take what the others have announced, and forget those that are gone: a killed process says no goodbye.
+        """Take new announcements, and drop participants that are gone: a killed process announces nothing.
 
-        The executor calls it now and then, or announcements would pile up in a program that never asks. They are read
-        when somebody asks, and then only the newest of each participant.
+        The executor calls this regularly, because announcements would pile up in a program that never queries the
+        graph. Only a query decodes them, and only the newest one of each participant.
         """
         with lock:
             for sample in self._reader.take(AT_ONCE):
                 if sample.sample_info.valid_data:
-                    self._unread[sample.data[4:20]] = sample.data  # its first field, behind the header, is the gid
+                    self._unread[sample.data[4:20]] = sample.data  # the gid is the first field, after the header
             alive = self._participants()
             self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
             self._unread = {gid: data for gid, data in self._unread.items() if gid in alive}
 
     def endpoints(self, kind: Any, wire_topic: str | None = None, *, full: bool = False) -> list[DiscoveredEndpoint]:
-        """Return the writers or readers on a topic, or on all.
+        """Return the writers or readers on one topic, or on all.
 
         Args:
             kind: PUBLISHERS or SUBSCRIPTIONS.
-            wire_topic: its name in DDS.
-            full: with their policies, which takes a tenth of a millisecond for each.
+            wire_topic: the topic's name in DDS; None for all topics.
+            full: include their policies, which takes 0.1 ms per endpoint.
         """
 
         def read(entry: Any) -> DiscoveredEndpoint | None:
@@ -170,7 +170,7 @@ class Graph:
         return [endpoint for endpoint in self._listed(kind, read) if endpoint]
 
     def _announce(self) -> None:
-        with suppress(DDSException):  # shut down at this moment: there is nobody to tell
+        with suppress(DDSException):  # the context is shutting down, so nobody needs to know
             gid = Gid(data=list(self.participant.guid.bytes))
             info = encode(ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=self._local))
             self._writer.write(self._payload(info))
@@ -192,12 +192,12 @@ class Graph:
         return set(self._listed(builtin.BuiltinTopicDcpsParticipant, _gid))
 
     def _listed(self, topic: Any, read: Callable[[Any], Entry]) -> list[Entry]:
-        """Return what ``read`` makes of each entry that Cyclone DDS lists on one of its built-in topics.
+        """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
-        Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader lives only as long as the call,
-        because endpoints that are gone would pile up in it. One call at a time in the whole process, also because
-        cyclonedds keeps the policies that it is converting in variables of a class. Its own ``read`` converts the
-        policies of all entries, and turns a Ctrl-C into an error of its own.
+        Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader lives only during the call,
+        because endpoints that are gone would pile up in it. The lock allows one call at a time in the whole process,
+        also because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would
+        convert the policies of all entries, and replace Ctrl-C by an exception of its own.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()
@@ -214,7 +214,7 @@ class Graph:
 
 @cache
 def _check_version() -> None:
-    from importlib.metadata import version  # noqa: PLC0415 - it takes 10 ms, which `import rclpy` need not
+    from importlib.metadata import version  # noqa: PLC0415 - it takes 10 ms, which `import rclpy` can save
 
     found = version("cyclonedds")
     if found != MADE_FOR:
@@ -225,11 +225,11 @@ def _check_version() -> None:
 
 
 def _gid(entry: Any) -> bytes:
-    """Return the identifier with which every listed entry begins."""
+    """Return the identifier at the start of a listed entry."""
     return ctypes.string_at(entry, 16)
 
 
 def _is_ros(entry: Any) -> bool:
-    """Whether a listed participant names its enclave, as all of ROS 2 do."""
+    """Return whether a listed participant names an enclave, as every ROS 2 participant does."""
     qos = _CQos.cqos_to_qos(entry[PARTICIPANT_QOS])
     return Policy.Userdata in qos and b"enclave=" in qos[Policy.Userdata].data

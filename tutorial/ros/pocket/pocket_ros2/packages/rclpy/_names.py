@@ -1,4 +1,4 @@
-"""The rules for names: those of rcl and rmw, with their wording."""
+"""The naming rules of rcl and rmw, with their error messages."""
 
 import json
 import re
@@ -13,15 +13,15 @@ from rclpy.exceptions import (
 )
 
 Rules = list[list[list[str]]]
-"""Patterns that a name must not match, each with what to say then; group 1 is at the place. They are in groups: of the
-first group with a match, the match that comes first in the name counts."""
+"""Patterns that match invalid names, each with an error message; group 1 marks the position. Patterns are in groups. In
+the first group that matches, the pattern that matches earliest in the name determines the message."""
 
 RULES: dict[str, Rules] = json.loads(Path(__file__).with_name("name_rules.json").read_text(encoding="utf-8"))
 NODE_NAME, TOPIC_NAME, FULL_TOPIC_NAME, NAMESPACE = RULES.values()
 
 
 def problem(rules: Rules, name: str) -> tuple[str, int] | None:
-    """Return what is wrong with a name and at which index, None if nothing."""
+    """Return the error in a name and its index, or None if the name is valid."""
     for group in rules:
         matches = ((re.search(pattern, name, re.DOTALL), text) for pattern, text in group)
         if found := [(match.start(1), text) for match, text in matches if match]:
@@ -37,12 +37,12 @@ def _valid(rules: Rules, name: str, error: Callable[[str, str, int], Exception])
 
 
 def validate_node_name(node_name: str) -> bool:
-    """Return True if a node's name, without namespace, is valid, else raise InvalidNodeNameException."""
+    """Return True if a node's name, without namespace, is valid; otherwise raise InvalidNodeNameException."""
     return _valid(NODE_NAME, node_name, InvalidNodeNameException)
 
 
 def validate_namespace(namespace: str) -> bool:
-    """Return True if a node's namespace is valid, else raise InvalidNamespaceException."""
+    """Return True if a node's namespace is valid; otherwise raise InvalidNamespaceException."""
     return namespace == "/" or _valid(NAMESPACE, namespace, InvalidNamespaceException)
 
 
@@ -55,13 +55,13 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
 
     Raises:
         InvalidTopicNameException: the name breaks the rules.
-        InvalidServiceNameException: it does, and is the name of a service.
+        InvalidServiceNameException: the name breaks the rules, and is the name of a service.
     """
     return _valid(TOPIC_NAME, name, InvalidServiceNameException if is_service else InvalidTopicNameException)
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """Return True if a topic's full name is valid; arguments and errors as for :func:`validate_topic_name`."""
+    """Return True if a topic's full name is valid; see :func:`validate_topic_name` for arguments and errors."""
     return _valid(FULL_TOPIC_NAME, name, InvalidServiceNameException if is_service else InvalidTopicNameException)
 
 
@@ -70,8 +70,8 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
 
     Args:
         topic_name: relative to the namespace (``"joy"``), absolute (``"/joy"``) or private to the node (``"~/joy"``).
-        node_name: of the node that uses it.
-        node_namespace: of that node; absolute, such as ``"/"`` or ``"/Tank"``.
+        node_name: name of the node that uses it.
+        node_namespace: the node's namespace; absolute, such as ``"/"`` or ``"/Tank"``.
 
     Raises:
         ValueError: a name or the namespace breaks the rules.

@@ -1,4 +1,4 @@
-"""What a node tells about itself and asks about the others."""
+"""A node's view of the node graph."""
 
 import re
 from collections.abc import Callable
@@ -18,57 +18,57 @@ Answer = TypeVar("Answer")
 
 
 class NodeGraph(NodeNames):
-    """The part of a node that deals with the node graph. Its methods raise InvalidHandle once the node is destroyed."""
+    """The part of a node that handles the node graph. Its methods raise InvalidHandle once the node is destroyed."""
 
     _context: Context
 
     def get_node_names(self) -> list[str]:
-        """Return the names of all nodes there are, in all processes; a name taken twice appears twice."""
+        """Return the names of all nodes in all processes; a name that two nodes have appears twice."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """Return (name, namespace) of all nodes there are, in all processes."""
+        """Return (name, namespace) of all nodes in all processes."""
         return [(node.node_name, node.node_namespace) for node in self._ask(Graph.nodes)]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of all topics there are, sorted by name.
+        """Return (topic, types) of all topics, sorted by name.
 
         Args:
-            no_demangle: list all DDS topics, with the names that they have on the wire.
+            no_demangle: list all DDS topics, with their names on the wire.
         """
         return _by_topic([*self._endpoints(PUBLISHERS), *self._endpoints(SUBSCRIPTIONS)], no_demangle)
 
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of all that a node publishes; raises NodeNameNonExistentError if there is none such."""
+        """Return (topic, types) of each topic that a node publishes; an unknown one raises NodeNameNonExistentError."""
         return self._topics_of((node_name, node_namespace), PUBLISHERS, no_demangle)
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of all that a node subscribes to, as for publishers."""
+        """Return (topic, types) of each topic that a node subscribes to, as for publishers."""
         return self._topics_of((node_name, node_namespace), SUBSCRIPTIONS, no_demangle)
 
     def count_publishers(self, topic_name: str) -> int:
-        """Return the number of publishers on a topic, in all processes; its name is not remapped."""
+        """Return the number of publishers on a topic in all processes; its name is not remapped."""
         return len(self._endpoints(PUBLISHERS, f"rt{self._expanded(topic_name)}"))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """Return the number of subscriptions on a topic, in all processes; its name is not remapped."""
+        """Return the number of subscriptions on a topic in all processes; its name is not remapped."""
         return len(self._endpoints(SUBSCRIPTIONS, f"rt{self._expanded(topic_name)}"))
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
-        """Return what is known about each publisher on a topic.
+        """Return information about each publisher on a topic.
 
         Args:
-            topic_name: of the topic, which is remapped.
-            no_mangle: it is the name in DDS.
+            topic_name: the topic's name, which is remapped.
+            no_mangle: the name is the topic's name in DDS.
         """
         return self._infos(PUBLISHERS, topic_name, no_mangle)
 
     def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
-        """Return what is known about each subscription on a topic, as for publishers."""
+        """Return information about each subscription on a topic, as for publishers."""
         return self._infos(SUBSCRIPTIONS, topic_name, no_mangle)
 
     def _endpoints(self, kind: Any, wire_topic: str | None = None) -> list[DiscoveredEndpoint]:
@@ -78,8 +78,8 @@ class NodeGraph(NodeNames):
         self._require_handle()
         try:
             return question(self._context.graph)
-        except DDSException as error:  # shut down at this moment
-            raise RCLError(f"failed to look at the node graph: {error}") from None
+        except DDSException as error:  # the context is shutting down
+            raise RCLError(f"failed to query the node graph: {error}") from None
 
     def _topics_of(self, who: tuple[str, str], kind: Any, no_demangle: bool) -> list[tuple[str, list[str]]]:
         if who not in self.get_node_names_and_namespaces():

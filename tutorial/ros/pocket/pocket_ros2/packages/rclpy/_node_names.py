@@ -1,4 +1,4 @@
-"""A node's own name, and what it makes of the names of topics."""
+"""A node's own name, and how the node resolves topic names."""
 
 from rclpy import _names
 from rclpy._arguments import Arguments
@@ -6,7 +6,7 @@ from rclpy._rclpy_pybind11 import Destroyable, RCLError
 
 
 class NodeNames(Destroyable):
-    """The part of a node that deals with names. Its methods raise InvalidHandle once the node is destroyed."""
+    """The part of a node that handles names. Its methods raise InvalidHandle once the node is destroyed."""
 
     def _init_names(self, name: str, namespace: str, arguments: list[Arguments]) -> None:
         """Apply remappings to the node's own name and namespace, and check both."""
@@ -20,22 +20,22 @@ class NodeNames(Destroyable):
         _names.validate_namespace(self._namespace)
 
     def get_name(self) -> str:
-        """Return its name."""
+        """Return the node's name."""
         self._require_handle()
         return self._name
 
     def get_namespace(self) -> str:
-        """Return its namespace, which begins with a slash."""
+        """Return the node's namespace, which begins with a slash."""
         self._require_handle()
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
-        """Return namespace and name."""
+        """Return the node's namespace and name."""
         self._require_handle()
         return self._full_name()
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Return a topic's full name, remapped unless only to be expanded.
+        """Return a topic's full name, remapped unless ``only_expand`` is true.
 
         Raises:
             RCLError: the name breaks the rules.
@@ -51,11 +51,11 @@ class NodeNames(Destroyable):
         return name
 
     def _expanded(self, topic_name: str) -> str:
-        """Return a topic's full name, not remapped.
+        """Return a topic's full name without remapping it.
 
         Raises:
             ValueError: the name cannot be expanded.
-            InvalidTopicNameException: what comes out breaks the rules.
+            InvalidTopicNameException: the expanded name breaks the rules.
         """
         full_name = _names.expand_topic_name(topic_name, self.get_name(), self.get_namespace())
         _names.validate_full_topic_name(full_name)

@@ -1,4 +1,4 @@
-"""A node's own parameters. Other nodes cannot reach them: that needs services."""
+"""A node's own parameters. Other nodes cannot access them, because that needs services."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -30,7 +30,7 @@ EMPTIED = (
 
 
 class NodeParameters:
-    """The part of a node that deals with parameters.
+    """The part of a node that handles parameters.
 
     Each change is published on ``/parameter_events``. Callbacks run in reverse order: the one added last runs first.
     """
@@ -38,7 +38,7 @@ class NodeParameters:
     PARAM_REL_TOL = TOLERANCE
 
     _use_sim_time: Callable[[bool], None]
-    """Has the node's clock go by simulated time from now on, or by the system's."""
+    """Switches the node's clock to simulated time, or back to the system's time."""
     _publish_parameter_event: Callable[[ParameterEvent], None]
 
     def _init_parameters(
@@ -73,17 +73,17 @@ class NodeParameters:
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: ParameterDescriptor | None = None, ignore_override: bool = False
     ) -> Parameter:
-        """Declare a parameter; a value on the command line wins over the one given here.
+        """Declare a parameter; a value on the command line takes precedence over the one given here.
 
         Args:
-            name: of the parameter.
+            name: the parameter's name.
             value: its value, or only its type.
-            descriptor: what values it may have, and whether it can be changed.
+            descriptor: which values are allowed, and whether the value can be changed.
             ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
-            ParameterAlreadyDeclaredException: there is one of this name.
-            InvalidParameterTypeException: the command line's value is of another type.
+            ParameterAlreadyDeclaredException: the parameter has already been declared.
+            InvalidParameterTypeException: the command line's value is of a different type.
             InvalidParameterValueException: the descriptor or a callback does not allow the value.
         """
         only_name = value is None and descriptor is None
@@ -96,23 +96,23 @@ class NodeParameters:
         """Declare several parameters.
 
         Args:
-            namespace: put before each name, with a dot, unless empty.
+            namespace: prefix of each name, followed by a dot unless it is empty.
             parameters: one tuple for each: its name, its value or type, and its descriptor. The last two are optional.
             ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             TypeError: a tuple is too long or empty, or an element has the wrong type.
-            ParameterAlreadyDeclaredException: some are declared already, so none is declared now.
-            InvalidParameterTypeException: the command line's value is of another type.
+            ParameterAlreadyDeclaredException: one has already been declared; then none of them is declared.
+            InvalidParameterTypeException: the command line's value is of a different type.
             InvalidParameterValueException: a descriptor or a callback rejects a value; parameters before it stay.
         """
         return self._declare(namespace, parameters, ignore_override)
 
     def undeclare_parameter(self, name: str) -> None:
-        """Forget a parameter.
+        """Remove a parameter.
 
         Raises:
-            ParameterNotDeclaredException: it has not been declared.
+            ParameterNotDeclaredException: the parameter has not been declared.
             ParameterImmutableException: it is read-only.
         """
         if name not in self._parameters:
@@ -122,15 +122,15 @@ class NodeParameters:
         self._forget(name)
 
     def has_parameter(self, name: str) -> bool:
-        """Whether the parameter has been declared."""
+        """Return whether a parameter has been declared."""
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
         """Return a parameter. If it is unknown and the node allows undeclared ones, it has no value.
 
         Raises:
-            ParameterNotDeclaredException: it has not been declared.
-            ParameterUninitializedException: it has been declared by its type, and has no value.
+            ParameterNotDeclaredException: the parameter has not been declared.
+            ParameterUninitializedException: it has been declared with only a type, and has no value.
         """
         if name not in self._parameters:
             self._require_undeclared_allowed(name)
@@ -149,7 +149,7 @@ class NodeParameters:
         return [self.get_parameter(name) for name in _strings(names)]
 
     def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
-        """Return a parameter, or something else if it has not been declared or has no value."""
+        """Return a parameter, or an alternative if it has not been declared or has no value."""
         parameter = self._parameters.get(name)
         if parameter is None or parameter.type_ == Parameter.Type.NOT_SET:
             return Parameter(name, Parameter.Type.NOT_SET) if alternative_value is None else alternative_value
@@ -168,12 +168,12 @@ class NodeParameters:
         """Return the number of a parameter's type; see ``Parameter.Type``.
 
         Raises:
-            ParameterNotDeclaredException: it has not been declared.
+            ParameterNotDeclaredException: the parameter has not been declared.
         """
         if name in self._parameters:
             return self._parameters[name].type_.value
         self._require_undeclared_allowed(name)
-        return Parameter.Type.NOT_SET  # as in rclpy, here not its number
+        return Parameter.Type.NOT_SET  # as in rclpy, the member and not its number
 
     def get_parameter_types(self, names: Sequence[str]) -> list[Any]:
         """Return the types of several parameters; see :meth:`get_parameter_type`.
@@ -187,7 +187,7 @@ class NodeParameters:
         """Return a parameter's descriptor.
 
         Raises:
-            ParameterNotDeclaredException: it has not been declared.
+            ParameterNotDeclaredException: the parameter has not been declared.
         """
         if name not in self._descriptors:
             self._require_undeclared_allowed(name)
@@ -227,12 +227,12 @@ class NodeParameters:
         """Replace a parameter's descriptor, and return the parameter's value.
 
         Args:
-            name: of the parameter.
+            name: the parameter's name.
             descriptor: the new descriptor; its name is ignored.
             alternative_value: value to set if the new descriptor rejects the current one.
 
         Raises:
-            ParameterNotDeclaredException: it has not been declared.
+            ParameterNotDeclaredException: the parameter has not been declared.
             ParameterImmutableException: it is read-only.
             InvalidParameterValueException: the descriptor rejects both values.
         """
@@ -250,10 +250,10 @@ class NodeParameters:
         return parameter.get_parameter_value()
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Set parameters one after the other, and return for each whether it was set, and if not, why.
+        """Set parameters one by one, and return for each whether it was set and, if not, why.
 
         Raises:
-            ParameterNotDeclaredException: one has not been declared; parameters before it stay set.
+            ParameterNotDeclaredException: a parameter has not been declared; those before it stay set.
         """
         return [self._set_all([parameter]) for parameter in parameter_list]
 
@@ -263,7 +263,7 @@ class NodeParameters:
         Setting a dynamically typed parameter to the type ``NOT_SET`` undeclares it.
 
         Raises:
-            ParameterNotDeclaredException: one has not been declared.
+            ParameterNotDeclaredException: a parameter has not been declared.
         """
         return self._set_all(parameter_list)
 
@@ -342,8 +342,8 @@ class NodeParameters:
         """Set parameters that their descriptors allow, unless a callback rejects them.
 
         Args:
-            parameter_list: which ones.
-            declared: the descriptors, if this declares the parameters; None if it only sets them.
+            parameter_list: the parameters.
+            declared: their descriptors, if this call declares them; None if it only sets them.
         """
         for check in tuple(self._on_set):
             result = check(parameter_list)
@@ -368,7 +368,7 @@ class NodeParameters:
         return SetParametersResult(successful=True)
 
     def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
-        """Return the list of an event that a parameter belongs in. Call this before setting the parameter."""
+        """Return the event's list that a parameter's change belongs to. Call this before setting the parameter."""
         if parameter.type_ == Parameter.Type.NOT_SET and not is_declared_now:
             changes = event.deleted_parameters
         elif self.get_parameter_or(parameter.name).type_ == Parameter.Type.NOT_SET:

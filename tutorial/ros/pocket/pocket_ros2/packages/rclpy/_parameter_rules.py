@@ -1,4 +1,4 @@
-"""Checks of parameters and their declarations, with rclpy's wording."""
+"""Checks of parameters and their declarations, with rclpy's messages."""
 
 import math
 import warnings
@@ -25,10 +25,10 @@ def read_declaration(
     """Return the name, value and descriptor of a declaration.
 
     Args:
-        namespace: put before the name.
+        namespace: prefix of the name.
         given: name, value or type, and descriptor; the last two may be missing.
         index: position in the list of declarations, for error messages.
-        stacklevel: which caller the warning about a name alone points at; 1 is the caller of this function.
+        stacklevel: which caller the warning about a missing type points at; 1 is the caller of this function.
 
     Raises:
         TypeError: a part is of the wrong type, or there are too many.
@@ -95,7 +95,7 @@ def refusal(parameter: Parameter, descriptor: ParameterDescriptor, is_declared: 
 
 
 def _outside(parameter: Parameter, limits: Any, tolerance: float, stop: str, step: str) -> str:
-    """Return why a number is not in a range, with rclpy's words for integers and for others, "" if it is."""
+    """Return why a number is outside a range, or "" if it isn't; rclpy's messages for integers and floats differ."""
     low, high = sorted((limits.from_value, limits.to_value))
     name, value = parameter.name, parameter.value
     if any(math.isclose(value, limit, rel_tol=tolerance) for limit in (low, high)):

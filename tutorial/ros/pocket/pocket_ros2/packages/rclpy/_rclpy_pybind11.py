@@ -1,10 +1,10 @@
-"""What rclpy gets from its C++ part, above all exceptions; programs catch them by this module's name."""
+"""Exceptions and types from rclpy's C++ module of this name, which programs use to catch the exceptions."""
 
 from enum import Enum, IntEnum
 
 
 class ClockType(IntEnum):
-    """What a time says of its clock: as rclpy.clock_type.ClockType, but printed by name."""
+    """The clock type of a time: like rclpy.clock_type.ClockType, but printed by name."""
 
     UNINITIALIZED = 0
     ROS_TIME = 1
@@ -15,7 +15,7 @@ class ClockType(IntEnum):
 
 
 class RCLError(RuntimeError):
-    """Something went wrong in the layers below rclpy."""
+    """An error in the layers below rclpy."""
 
 
 class NodeNameNonExistentError(RCLError):
@@ -30,11 +30,11 @@ class InvalidHandle(RuntimeError):  # noqa: N818  (rclpy's name)
 
 
 class UnknownROSArgsError(RuntimeError):
-    """There is an argument after ``--ros-args`` that ROS 2 does not know."""
+    """An argument after ``--ros-args`` is unknown to ROS 2."""
 
 
 class Destroyable:
-    """Base of what can be destroyed, after which its methods raise InvalidHandle."""
+    """Base of objects that can be destroyed; after that, their methods raise InvalidHandle."""
 
     _destroyed = False
 

@@ -1,7 +1,7 @@
-"""From messages to bytes and back.
+"""Serialise and deserialise messages.
 
-A message type's wire type, made from its field list, is what topics show to others, and what Cyclone DDS's own codec
-encodes by: it reads the attributes of our messages. Decoding is done by code of our own, which is faster.
+Each message type has a wire type, made from its list of fields. Topics announce it, and Cyclone DDS's codec uses it to
+encode messages by reading their attributes. Decoding uses our own code, which is faster.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from rclpy._rclpy_pybind11 import RCLError
 
 PRIMITIVES: dict[str, Any] = {name: getattr(types, name) for name, of in values.PRIMITIVES.items() if of.code}
 PRIMITIVES |= {"bool": bool, "string": str, "byte": types.array[types.uint8, 1]}
-"""What Cyclone DDS calls them. A byte is a bytes of length 1 in rclpy, so it is shown as an array of uint8."""
+"""Cyclone DDS's types for the primitives. rclpy's byte is a ``bytes`` of length 1, here declared as a uint8 array."""
 
 _lock = threading.RLock()
 
 
 class Payload:
-    """CDR bytes on their way in or out of Cyclone DDS, which takes this for one of its own structs.
+    """CDR bytes on their way into or out of Cyclone DDS, which handles this class like one of its own structs.
 
-    So the bytes of a received message are decoded by whoever wants the message, on a thread of their own choice, and
-    one that cannot be decoded does not disturb those behind it.
+    A received message is therefore decoded only where it is needed, on any thread, and a malformed one does not affect
+    the messages after it.
     """
 
     __slots__ = ("data", "sample_info")
@@ -42,27 +42,27 @@ class Payload:
         self.data = data
 
     def serialize(self, use_version_2: bool | None = None) -> bytes:  # noqa: ARG002
-        """Give Cyclone DDS the bytes to send."""
+        """Return the bytes for Cyclone DDS to send."""
         return self.data
 
     @classmethod
     def deserialize(cls, data: bytes) -> Self:
-        """Take the bytes that Cyclone DDS has received."""
+        """Wrap the bytes that Cyclone DDS has received."""
         return cls(data)
 
     deserialize_key = deserialize
 
 
 SampleInfo.__new__ = staticmethod(msgspec.defstruct("SampleInfo", ["python_class", *SampleInfo.__match_args__]))
-# It is made in C now. Cyclone DDS's C makes one for each sample, and crashes if making it raises: as a method in Python
-# does where it is interrupted by Ctrl-C.
+# Replaced by a constructor in C. Cyclone DDS's C code makes one for each sample, and crashes if that raises, as a
+# Python method does when Ctrl-C interrupts it.
 
 
 def check_message_type(message_type: Any) -> None:
-    """Refuse what is not a message type.
+    """Raise an error for anything but a message type.
 
     Raises:
-        AttributeError: as rclpy raises it.
+        AttributeError: the object is not a message type; rclpy raises the same error.
     """
     if not (isinstance(message_type, type) and issubclass(message_type, Message)):
         raise AttributeError(
@@ -73,11 +73,11 @@ def check_message_type(message_type: Any) -> None:
 
 
 def encode(message: Message) -> bytes:
-    """Serialise a message, with the four bytes of header that say little-endian plain CDR.
+    """Serialise a message, with the four-byte header of little-endian plain CDR.
 
     Raises:
-        AttributeError: a field holds something else than the message that belongs there, as rclpy raises it.
-        TypeError: a field holds another value that its type cannot.
+        AttributeError: a field that needs a message holds something else, as in rclpy.
+        TypeError: any other field holds a value that does not fit its type.
     """
     try:
         return cast(bytes, _wire_type(message._definition.type_name, bytes).__idl__.serialize(message))
@@ -86,13 +86,13 @@ def encode(message: Message) -> bytes:
         while error.__cause__ is not None:
             error = error.__cause__  # type: ignore[assignment]
             causes.append(str(error))
-        is_no_message = isinstance(error, AttributeError) and error.name != "encode"  # which is missing in a string
+        is_no_message = isinstance(error, AttributeError) and error.name != "encode"  # only string fields need `encode`
         kind = AttributeError if is_no_message else TypeError
         raise kind(f"{type(message).__name__} cannot be serialized: {': '.join(causes)}") from error
 
 
 def decode(data: bytes, message_type: type[Message]) -> Message:
-    """Deserialise a message. Padding and what follows the last field are ignored.
+    """Deserialise a message, ignoring padding and anything after the last field.
 
     Raises:
         RCLError: the bytes are not such a message.
@@ -101,13 +101,13 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
         return cdr.decode(data, message_type)
     except Exception as error:
         raise RCLError(
-            f"failed to deserialize ROS message: {len(data)} bytes are no {message_type.__name__}: {error}"
+            f"failed to deserialize ROS message: {len(data)} bytes are not a {message_type.__name__}: {error}"
         ) from error
 
 
 @cache
 def payload_type(type_name: str) -> type[Payload]:
-    """Return the kind of payload that topics of a message type, such as ``"sensor_msgs/msg/Joy"``, carry."""
+    """Return the payload class for topics of a message type, such as ``"sensor_msgs/msg/Joy"``."""
     wire_type = _wire_type(type_name, types.sequence[types.uint8])
     identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
     return type(f"{wire_type.__name__}Payload", (Payload,), identity)
@@ -121,12 +121,12 @@ def wire_name(type_name: str) -> str:
 
 @cache
 def _wire_type(type_name: str, octets: Any) -> Any:
-    """Return Cyclone DDS's struct for a message type; made once, or once by each of two threads.
+    """Return Cyclone DDS's struct for a message type. Two threads that need it at the same time may each make one.
 
     Args:
-        type_name: of what to encode.
-        octets: what a sequence of uint8 is. ``bytes`` is the same on the wire, and an image need not become a list of
-            numbers; but a topic describes its type to others, and knows no name for that.
+        type_name: the message type.
+        octets: the type of a sequence of uint8. ``bytes`` is the same on the wire, and saves converting an image to a
+            list of numbers; but a topic has to describe its type to others, and cannot do so with ``bytes``.
     """
     with _lock:  # make_idl_struct keeps a global stack of scopes
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}

@@ -1,4 +1,4 @@
-"""Clocks that tell the time."""
+"""Clocks."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 
 
 LONGEST_WAIT = 0.1
-"""Longest single wait [s]; then a sleeper checks whether the context was shut down, for instance by a signal."""
+"""Maximum length of one wait [s]: between waits, a sleeper checks whether a signal or a call shut the context down."""
 
 
 class Clock:
-    """Tells the time.
+    """A clock.
 
     Args:
-        clock_type: which time; ROS time is the system's, except for a node that uses simulated time.
+        clock_type: kind of time; ROS time is the system's time, except for a node that uses simulated time.
 
     Raises:
-        TypeError: it is no ClockType.
+        TypeError: the clock type is not a ClockType.
     """
 
     _clock_type: ClockType
-    _timers: set[Timer]  # those that go by it
+    _timers: set[Timer]  # timers that use this clock
     _jumped: threading.Condition  # notified when the simulated time changes
-    _switches = 0  # how often it switched between the system's time and simulated time
+    _switches = 0  # number of switches between the system's time and simulated time
     _is_simulated = False
-    _simulated_ns = 0  # what it tells while it is simulated
+    _simulated_ns = 0  # the time while it is simulated
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
-        """Make a clock, which for ROS time is a ROSClock."""
+        """Create a clock; for ROS time, it is a ROSClock."""
         if not isinstance(clock_type, (ClockType, _rclpy_pybind11.ClockType)):
             raise TypeError("Clock type must be a ClockType enum")
         self: Any = object.__new__(ROSClock if clock_type == ClockType.ROS_TIME else cls)
@@ -54,7 +54,7 @@ class Clock:
         return self._clock_type
 
     def now(self) -> Time:
-        """Return the time now; while it is simulated, 0 before the first message on ``/clock``."""
+        """Return the current time; simulated time is 0 before the first message on ``/clock``."""
         system_ns = time.monotonic_ns() if self._clock_type == ClockType.STEADY_TIME else time.time_ns()
         return Time(nanoseconds=self._simulated_ns if self._is_simulated else system_ns, clock_type=self._clock_type)
 
@@ -63,15 +63,15 @@ class Clock:
 
         Args:
             until: when to wake up.
-            context: its shutdown ends the sleep; None takes the default one.
+            context: a context whose shutdown ends the sleep; None uses the default one.
 
         Returns:
-            Whether the time was reached. It was not if the context was shut down, or if the clock switched between
-            the system's time and simulated time.
+            Whether the time was reached: False if the context was shut down, or if the clock switched between the
+            system's time and simulated time.
 
         Raises:
             NotInitializedException: the context is not running.
-            ValueError: the time belongs to another type of clock.
+            ValueError: the time belongs to a different type of clock.
         """
         context = context or get_default_context()
         if not context.ok():
@@ -91,7 +91,7 @@ class Clock:
         return self.sleep_until(self.now() + rel_time, context)
 
     def _timer_ns(self) -> int:
-        """Return the time that timers go by [ns]: whoever sets the system's clock does not change their rhythm."""
+        """Return the time for timers [ns], which does not change when somebody sets the system's clock."""
         return self._simulated_ns if self._is_simulated else time.monotonic_ns()
 
     def __repr__(self) -> str:
@@ -99,10 +99,10 @@ class Clock:
 
 
 class ROSClock(Clock):
-    """A node's clock: it tells the system's time or, while the node uses simulated time, what ``/clock`` has said."""
+    """A node's clock: system time or, while the node uses simulated time, the time from ``/clock``."""
 
     def __new__(cls) -> Self:
-        """Make a clock of ROS time."""
+        """Create a clock of ROS time."""
         return super().__new__(cls, clock_type=ClockType.ROS_TIME)
 
     @property
@@ -114,14 +114,14 @@ class ROSClock(Clock):
         """Set the simulated time.
 
         Raises:
-            TypeError: it is no Time.
+            TypeError: the argument is not a Time.
         """
         if not isinstance(time, Time):
             raise TypeError(f"Time must be specified as rclpy.time.Time. Received type: {type(time)}")
         self._jump(self._is_simulated, time.nanoseconds)
 
     def _jump(self, is_simulated: bool, simulated_ns: int) -> None:
-        """Tell another time from now on, and have the timers go by it."""
+        """Change the time or the kind of time, and adjust sleepers and timers."""
         before, switched = self._timer_ns(), is_simulated != self._is_simulated
         with self._jumped:
             self._is_simulated, self._simulated_ns = is_simulated, simulated_ns

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class ClockType(IntEnum):
-    """What a time is measured by."""
+    """The kind of clock that measures a time."""
 
     UNINITIALIZED = 0
     ROS_TIME = 1

@@ -1,3 +1,3 @@
-"""Numbers that programs use."""
+"""Constants for programs."""
 
 S_TO_NS = 1_000_000_000

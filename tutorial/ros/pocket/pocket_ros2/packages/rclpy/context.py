@@ -1,4 +1,4 @@
-"""A context: one start and shutdown of ROS 2 within a process."""
+"""A context: ROS 2 in a process, from its start to its shutdown."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rclpy.executors import SingleThreadedExecutor
 
 PATIENCE = 2.0
-"""How long to wait for a callback that is running when its context shuts down [s]."""
+"""How long a shutdown waits for a running callback [s]."""
 
 NOT_VALID = "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
 
@@ -29,9 +29,10 @@ _contexts: weakref.WeakSet[Context] = weakref.WeakSet()
 
 
 class Context:
-    """Holds what nodes and executors share: the arguments and the participant in the DDS domain.
+    """The state that nodes and executors share: the arguments and the participant in the DDS domain.
 
-    It can be started once, and shut down. May be used from any thread, and as a context manager, which starts it.
+    A context can be started once, and then shut down. It can be used from any thread, and as a context manager, which
+    starts it.
 
     Attributes:
         arguments: the ROS arguments that it was started with.
@@ -43,22 +44,22 @@ class Context:
         self.arguments = Arguments()
         self._graph: Graph | None = None
         self._callbacks: list[Callable[[], Callable[[], object] | None]] = []
-        self._executors: list[weakref.ref[SingleThreadedExecutor]] = []  # never changed, but replaced
+        self._executors: list[weakref.ref[SingleThreadedExecutor]] = []  # replaced, never modified
         _contexts.add(self)
 
     def init(
         self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
-        """Start.
+        """Start the context.
 
         Args:
-            args: the command line; None takes ``sys.argv``.
+            args: the command line; None uses ``sys.argv``.
             initialize_logging: configure logging from the command line.
-            domain_id: None takes ``ROS_DOMAIN_ID``, or 0.
+            domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0.
 
         Raises:
-            RuntimeError: it has been started, or the domain is negative.
-            RCLError: an argument or the environment makes no sense.
+            RuntimeError: the context has been started before, or the domain is negative.
+            RCLError: an argument or an environment variable is invalid.
         """
         with _domain.lock:
             if domain_id is not None and domain_id < 0:
@@ -85,14 +86,14 @@ class Context:
             muting.add(self)
 
     def ok(self) -> bool:
-        """Whether it has been started and not shut down."""
+        """Return whether the context has been started and not shut down."""
         return self._ok
 
     def shutdown(self) -> None:
-        """Shut down: every spin ends, nodes are gone.
+        """Shut down: end all spins, and remove all nodes from the graph.
 
         Raises:
-            RuntimeError: it has not been started, or has been shut down.
+            RuntimeError: the context has not been started, or has been shut down.
         """
         if not self._was_initialized:
             raise RuntimeError("Context must be initialized before it can be shutdown")
@@ -101,9 +102,9 @@ class Context:
         self.try_shutdown()
 
     def try_shutdown(self) -> None:
-        """Shut down if it has not been, once no other thread spins any more; then call back.
+        """Shut down if the context is running, wait until no other thread spins, and call the callbacks.
 
-        As in rclpy, a signal that has stopped it already leaves nothing to call back.
+        As in rclpy, the callbacks are not called if a signal has already stopped the context.
         """
         if not self._was_initialized:
             return
@@ -123,10 +124,10 @@ class Context:
                 callback()
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Call back at the shutdown, at once if that has been; a method only as long as its object lives.
+        """Call a function on shutdown, or immediately if that is past; a method only while its object exists.
 
         Raises:
-            TypeError: it cannot be called.
+            TypeError: the callback is not callable.
         """
         if not callable(callback):
             raise TypeError("callback should be a callable, got {}", type(callback))
@@ -137,7 +138,7 @@ class Context:
         callback()
 
     def stop(self) -> None:
-        """End every spin, and leave what takes time to :meth:`try_shutdown`; a signal handler may call this."""
+        """End all spins, but leave slow work to :meth:`try_shutdown`; a signal handler can call this."""
         if self._ok:
             self._ok = False
             for reference in self._executors:
@@ -145,15 +146,15 @@ class Context:
                     executor.wake()
 
     def add_executor(self, executor: SingleThreadedExecutor) -> None:
-        """Have an executor stop before the context shuts down. It is held weakly."""
+        """Stop an executor when the context shuts down. The context keeps only a weak reference."""
         with _domain.lock:
             self._executors = [*(other for other in self._executors if other()), weakref.ref(executor)]
 
     def get_domain_id(self) -> int:
-        """Return the number of the DDS domain.
+        """Return the ID of the DDS domain.
 
         Raises:
-            RuntimeError: it has not been started.
+            RuntimeError: the context has not been started.
         """
         if not self._was_initialized:
             raise RuntimeError("Context must be initialized before it can have a domain id")
@@ -161,7 +162,7 @@ class Context:
 
     @property
     def graph(self) -> Graph:
-        """The node graph and the participant in the DDS domain, which joins when first asked for.
+        """The node graph and the participant in the DDS domain, which is joined on first use.
 
         Raises:
             RCLError: the context is not running, or the domain cannot be joined.
@@ -182,13 +183,13 @@ class Context:
 
 
 def stop_all() -> None:
-    """End every spin in this process; a signal handler may call this."""
+    """End all spins in this process; a signal handler can call this."""
     for context in tuple(_contexts):
         context.stop()
 
 
 def _forget_all() -> None:
-    """End every context in a process just forked, where nobody spins any more."""
+    """End all contexts in a newly forked process, where no thread spins."""
     for context in _contexts:
         context._ok, context._graph, context._executors = False, None, []
 
@@ -198,10 +199,9 @@ os.register_at_fork(after_in_child=_forget_all)
 
 @atexit.register
 def _shut_down_all() -> None:
-    """Leave every domain when the interpreter ends, so that others learn at once that this process is gone.
+    """Leave all domains when the interpreter exits, so that others notice at once.
 
-    The threads that still run are daemons, about to be stopped wherever they are. That they meet a closed context first
-    is no news to anybody.
+    Threads that still run are daemons that are about to be stopped. Don't report that they meet a closed context first.
     """
     report = threading.excepthook
 

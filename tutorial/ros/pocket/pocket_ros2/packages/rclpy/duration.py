@@ -1,4 +1,4 @@
-"""Spans of time."""
+"""Durations."""
 
 from functools import total_ordering
 from typing import Any, Self
@@ -9,14 +9,14 @@ from rclpy.constants import S_TO_NS
 
 @total_ordering
 class Duration:  # noqa: PLW1641  (rclpy's has no hash either)
-    """A span of time, kept in whole nanoseconds.
+    """A duration in whole nanoseconds.
 
     Args:
-        seconds: [s], may be negative or have a fraction.
-        nanoseconds: [ns], added to it.
+        seconds: the duration [s]; can be negative or fractional.
+        nanoseconds: added to ``seconds`` [ns].
 
     Raises:
-        OverflowError: it is longer than 2^63 ns.
+        OverflowError: the duration exceeds 2^63 ns.
     """
 
     def __init__(self, *, seconds: float = 0, nanoseconds: float = 0) -> None:
@@ -26,17 +26,17 @@ class Duration:  # noqa: PLW1641  (rclpy's has no hash either)
 
     @property
     def nanoseconds(self) -> int:
-        """The span [ns]."""
+        """The duration [ns]."""
         return self._nanoseconds
 
     def to_msg(self) -> DurationMessage:
-        """Return the span as a ``builtin_interfaces.msg.Duration``."""
+        """Return the duration as a ``builtin_interfaces.msg.Duration``."""
         sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
         return DurationMessage(sec=sec, nanosec=nanosec)
 
     @classmethod
     def from_msg(cls, msg: DurationMessage) -> Self:
-        """Make a span of a ``builtin_interfaces.msg.Duration``."""
+        """Create a duration from a ``builtin_interfaces.msg.Duration``."""
         if not isinstance(msg, DurationMessage):
             raise TypeError("Must pass a builtin_interfaces.msg.Duration object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)

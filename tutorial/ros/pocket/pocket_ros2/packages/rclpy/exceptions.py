@@ -2,9 +2,9 @@
 
 from typing import Any, ClassVar
 
-from _absent import AbsentAttributeError as AbsentAttributeError  # noqa: PLC0414  (programs find it here)
+from _absent import AbsentAttributeError as AbsentAttributeError  # noqa: PLC0414  (re-export)
 from _absent import NeedsRealROSError as NeedsRealROSError  # noqa: PLC0414
-from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (programs find it here)
+from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (re-export)
 
 
 class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, as all below)
@@ -15,7 +15,7 @@ class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, as all b
 
 
 class ROSInterruptException(Exception):  # noqa: N818
-    """What waited was ended by a shutdown."""
+    """A shutdown ended a wait."""
 
     def __init__(self) -> None:
         super().__init__("rclpy.shutdown() has been called")
@@ -29,7 +29,7 @@ class NoTypeSupportImportedException(Exception):  # noqa: N818
 
 
 class NameValidationException(Exception):  # noqa: N818
-    """A name breaks the rules for names; the text points at the place."""
+    """A name breaks the rules for names; the message marks the position."""
 
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
@@ -67,14 +67,14 @@ class InvalidServiceNameException(_InvalidName):
 
 
 class ParameterException(Exception):  # noqa: N818
-    """Base of what is wrong with parameters."""
+    """Base of exceptions about parameters."""
 
     def __init__(self, error_msg: str, parameters: str | list[str]) -> None:
         super().__init__(f"{error_msg}: {parameters}")
 
 
 class ParameterNotDeclaredException(ParameterException):
-    """A parameter was used that the node has not declared."""
+    """A program used an undeclared parameter."""
 
     def __init__(self, parameters: str | list[str]) -> None:
         super().__init__("Invalid access to undeclared parameter(s)", parameters)
@@ -88,23 +88,23 @@ class ParameterAlreadyDeclaredException(ParameterException):
 
 
 class ParameterUninitializedException(ParameterException):
-    """A parameter was read that has a type, but no value yet."""
+    """A program read a parameter that has a type, but no value yet."""
 
     def __init__(self, parameter_name: str) -> None:
         super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name)
 
 
 class InvalidParameterException(ParameterException):
-    """A parameter's name is no name."""
+    """A parameter's name is invalid."""
 
     def __init__(self, parameter_name: str) -> None:
         super().__init__("Invalid parameter name", parameter_name)
 
 
 class InvalidParameterTypeException(ParameterException):
-    """A parameter was given a value of another type than its own."""
+    """A parameter was given a value of the wrong type."""
 
-    from rclpy.parameter import Parameter  # noqa: PLC0415  (as in rclpy, so that this class has it)
+    from rclpy.parameter import Parameter  # noqa: PLC0415  (as in rclpy, where this class has it)
 
     def __init__(self, desired_parameter: Parameter, expected_type: str) -> None:
         name, value, given = desired_parameter.name, desired_parameter.value, desired_parameter.type_.name
@@ -120,7 +120,7 @@ class InvalidParameterValueException(ParameterException):
 
 
 class ParameterImmutableException(ParameterException):
-    """A parameter was to be changed that cannot be."""
+    """A program tried to change a read-only parameter."""
 
     def __init__(self, parameter_name: str) -> None:
         super().__init__("Attempted to modify read-only parameter", parameter_name)

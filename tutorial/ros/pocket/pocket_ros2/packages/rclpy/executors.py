@@ -1,4 +1,4 @@
-"""Executors: they wait for messages and timers, and run the callbacks on the thread that spins."""
+"""Executors, which wait for messages and timers, and run callbacks on the thread that spins."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from rclpy.task import Future
 
 LONGEST_WAIT = 0.1
-"""How long to wait at most within Cyclone DDS [s]: Python hears a Ctrl-C only between calls into C."""
+"""Maximum time for one wait within Cyclone DDS [s]: Python handles Ctrl-C only between calls into C."""
 
 FEW = 6
-"""Endpoints, each of which is asked for a message in less time than it takes to ask Cyclone DDS which have one."""
+"""Up to this many endpoints, polling each for a message is faster than asking Cyclone DDS which ones have one."""
 
 
 class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
@@ -37,12 +37,12 @@ class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
 
 
 class SingleThreadedExecutor:
-    """Runs callbacks one after the other, on the thread that calls a ``spin`` method.
+    """Runs callbacks one at a time, on the thread that calls a ``spin`` method.
 
-    Everything but these methods may be used from any thread.
+    All other methods can be called from any thread.
 
     Args:
-        context: None takes the default one.
+        context: the executor's context; None uses the default one.
 
     Raises:
         RCLError: the context is not running.
@@ -68,11 +68,11 @@ class SingleThreadedExecutor:
 
     @property
     def context(self) -> Context:
-        """The context that it belongs to."""
+        """The executor's context."""
         return self._context
 
     def add_node(self, node: Node) -> bool:
-        """Run this node's callbacks, too; False if it does already."""
+        """Add a node, and run its callbacks; return False if it was added before."""
         with self._lock:
             if node in self._nodes:
                 return False
@@ -82,19 +82,19 @@ class SingleThreadedExecutor:
         return True
 
     def remove_node(self, node: Node) -> None:
-        """No longer run this node's callbacks."""
+        """Stop running a node's callbacks."""
         with self._lock:
             self._nodes = tuple(other for other in self._nodes if other is not node)
         self.wake()
 
     def get_nodes(self) -> list[Node]:
-        """Return the nodes whose callbacks it runs."""
+        """Return the nodes whose callbacks the executor runs."""
         return list(self._nodes)
 
     def wake(self) -> None:
-        """Make it look around: something was added or removed, or it is to stop."""
+        """Wake the executor because something was added or removed, or because it has to stop."""
         self._outdated = True
-        with suppress(DDSException):  # the context may be closing at this moment
+        with suppress(DDSException):  # the context may be closing
             self._guard.set(True)
 
     def spin(self) -> None:
@@ -106,14 +106,14 @@ class SingleThreadedExecutor:
         self._spin()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Wait for one callback to run, and run it.
+        """Run one callback, waiting for one if necessary.
 
         Args:
-            timeout_sec: how long to wait [s]; None or negative: without end.
+            timeout_sec: how long to wait [s]; None or a negative number waits forever.
 
         Raises:
-            ExternalShutdownException: the context was shut down meanwhile.
-            RCLError: it had been before.
+            ExternalShutdownException: the context was shut down during the wait.
+            RCLError: the context had already been shut down.
         """
         self._spin(_deadline(timeout_sec), once=True)
 
@@ -121,14 +121,14 @@ class SingleThreadedExecutor:
         """Run callbacks until a future is done or cancelled, or time runs out.
 
         Args:
-            future: which one.
-            timeout_sec: how long to wait [s]; None or negative: without end.
+            future: the future.
+            timeout_sec: how long to wait [s]; None or a negative number waits forever.
         """
         with future._telling(lambda _: self.wake()):
             self._spin(_deadline(timeout_sec), until=lambda: future.done() or future.cancelled())
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
-        """Stop spinning and give the nodes up; may be called again.
+        """Stop spinning and release the nodes. Idempotent.
 
         A callback that is running on another thread is not waited for.
         """
@@ -139,12 +139,12 @@ class SingleThreadedExecutor:
         return True
 
     def wait_until_stopped(self, timeout_sec: float) -> None:
-        """Wait until no thread spins, unless this is the one, or time runs out [s]."""
+        """Wait until no thread spins, or time runs out [s]. Return at once on the thread that spins."""
         if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
             self._spinning.release()
 
     def _spin(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False, once: bool = False) -> None:
-        """Run callbacks, or one, to a time [s of the monotonic clock]. Only one caller at a time can."""
+        """Run callbacks, or only one, until a deadline [s, monotonic clock]. Only one caller at a time can spin."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         self._spinner = threading.get_ident()
@@ -161,7 +161,7 @@ class SingleThreadedExecutor:
             self._close_if_shut_down()
 
     def _run_one(self, deadline: float, until: Callable[[], bool]) -> None:
-        """Run one callback, waiting for it if necessary, but only to a time [s of the monotonic clock]."""
+        """Run one callback, waiting for one if necessary, until a deadline [s, monotonic clock]."""
         while not self._is_shutdown and not until():
             if not self._context.ok():
                 raise ExternalShutdownException
@@ -180,17 +180,17 @@ class SingleThreadedExecutor:
                 return
 
     def _run_ready(self) -> bool:
-        """Run the first callback of this round that has something to do; False if none has."""
+        """Execute the first entity of this round that is ready; return False if none is."""
         for entity in self._ready:  # noqa: SIM110  (a generator for each round would cost more than the round)
             if entity._node in self._nodes and entity.execute():
                 return True
         return False
 
     def _wait(self, timeout: float) -> None:
-        """Wait for a message, an event, a timer or :meth:`wake`, and begin a round.
+        """Wait for a message, an event, a timer or :meth:`wake`, and start a round.
 
-        In a round everything that is ready has one turn, so that a busy topic does not keep the others waiting. The
-        rest is not looked at, which matters to a node with a hundred subscriptions.
+        In each round, every ready entity gets one turn, so that a busy topic does not delay the rest. Entities that are
+        not ready are not checked, which matters to a node with a hundred subscriptions.
         """
         if self._wait_set is None:
             return
@@ -206,14 +206,14 @@ class SingleThreadedExecutor:
             self._report_events()
 
     def _report_events(self) -> None:
-        with suppress(DDSException, RCLError):  # shut down at this moment
+        with suppress(DDSException, RCLError):  # the context is shutting down
             self._guard.take()
             self._context.graph.listen()
         for endpoint in self._endpoints:
             endpoint.report_events()
 
     def _look_around(self) -> None:
-        """See what the nodes have. The wait set is made anew because entities come and go on other threads."""
+        """Read the nodes' entities. Make a new wait set, because entities come and go on other threads."""
         self._outdated = False
         self._timers = [timer for node in self._nodes for timer in node.timers]
         self._guards = [guard for node in self._nodes for guard in node.guards]
@@ -231,7 +231,7 @@ class SingleThreadedExecutor:
         for endpoint in self._endpoints:
             sources += endpoint.event_sources
             self._waited_for += [None, endpoint] if isinstance(endpoint, Subscription) else [None]
-        for key, source in enumerate(sources):  # fails for what is destroyed at this moment, which wakes us again
+        for key, source in enumerate(sources):  # fails for an entity destroyed meanwhile, which wakes us again
             wait_set._waitset_attach(wait_set._ref, source._ref, key)
 
     def _close_wait_set(self) -> None:
@@ -240,7 +240,7 @@ class SingleThreadedExecutor:
             close(wait_set)
 
     def _close_if_shut_down(self) -> None:
-        """Let go of everything, once nobody spins any more: whoever comes last does it."""
+        """Release everything once no thread spins; the last thread to finish does it."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
         self._ready = iter(())

@@ -1,3 +1,3 @@
-"""From a topic's name as a program gives it to its full name."""
+"""Expand a topic's name to its full name."""
 
-from rclpy._names import expand_topic_name as expand_topic_name  # noqa: PLC0414  (programs find it here)
+from rclpy._names import expand_topic_name as expand_topic_name  # noqa: PLC0414  (re-export)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class GuardCondition(Destroyable):
-    """Lets any thread ask the executor to call back; made by ``Node.create_guard_condition``.
+    """Lets any thread make the executor run a callback; created by ``Node.create_guard_condition``.
 
     Args:
         node: the node that it belongs to.
@@ -26,29 +26,29 @@ class GuardCondition(Destroyable):
         self._triggered = False
 
     def trigger(self) -> None:
-        """Have the executor call back, once for all triggers until then.
+        """Make the executor run the callback, once for all triggers until then.
 
         Raises:
-            InvalidHandle: it has been destroyed.
+            InvalidHandle: the guard condition has been destroyed.
         """
         self._require_handle()
         self._triggered = True
         self._node.wake_executor()
 
     def destroy(self) -> None:
-        """Destroy it; may be called again. As in rclpy the node still counts it among its own."""
+        """Destroy the guard condition. Idempotent. As in rclpy, the node still lists it."""
         self._node._remove(self, keep=True)
 
     def close(self) -> None:
-        """Stop it for good. Called by the node."""
+        """Disable the guard condition for good. Called by the node."""
         self._destroyed = True
 
     def wait_time(self) -> float:
-        """Return how long the executor may wait for it [s]."""
+        """Return how long the executor can wait before it executes this [s]."""
         return 0.0 if self._triggered and not self._destroyed else math.inf
 
     def execute(self) -> bool:
-        """Call back if it was triggered. Called by the executor.
+        """Run the callback if the condition was triggered. Called by the executor.
 
         Returns:
             Whether the callback was called.

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 
 class LoggingSeverity(IntEnum):
-    """How much a log line matters."""
+    """Severity of a log line."""
 
     UNSET = 0
     DEBUG = 10
@@ -25,24 +25,24 @@ class LoggingSeverity(IntEnum):
 
 
 class Listener(Protocol):
-    """What the lines of a logger, and those of its children, are passed on to: a node, for ``/rosout``."""
+    """Receives the log lines of a logger and its children, such as a node for ``/rosout``."""
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
-        """Take a line; called on the thread that logs."""
+        """Receive a line; called on the thread that logs."""
 
 
 listeners: weakref.WeakValueDictionary[str, Listener] = weakref.WeakValueDictionary()
-"""By the name of the logger."""
+"""Listeners by logger name."""
 
 muting: weakref.WeakSet[object] = weakref.WeakSet()
-"""Running contexts that were given ``--disable-stdout-logs``. While there is one, nothing is logged to stderr."""
+"""Running contexts with ``--disable-stdout-logs``. While there is one, nothing is logged to stderr."""
 
 FILTERS = {
     "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
     "skip_first": ("skip_first",),
     "once": ("once",),
 }
-"""Options by the filter that they belong to, in the order in which filters are asked."""
+"""Options of each filter, in the order that the filters are applied."""
 OPTIONS = [option for options in FILTERS.values() for option in options]
 
 _levels: dict[str, LoggingSeverity] = {"": LoggingSeverity.INFO}
@@ -51,15 +51,15 @@ _lock = threading.RLock()
 
 @dataclass
 class _Place:
-    """A line of a program that logs: what it asked for the first time, and what its filters remember."""
+    """A line of code that logs: its arguments on the first call, and the state of its filters."""
 
     asked: tuple[LoggingSeverity, str, list[str], dict[str, Any]]
-    last_logged: float = -inf  # `time.monotonic` may begin at the start of the machine
+    last_logged: float = -inf  # `time.monotonic` can be near 0 just after boot
     skipped: bool = False
     logged: bool = False
 
     def is_due(self) -> bool:
-        """Ask the filters, each of which may remember that it was asked."""
+        """Apply the filters, which may change their state."""
         _, _, filters, options = self.asked
         if "throttle" in filters:
             now = time.monotonic()
@@ -76,10 +76,10 @@ class _Place:
 
 
 class RcutilsLogger:
-    """Writes log lines under a name; may be called from any thread.
+    """Writes log lines under a name; can be used from any thread.
 
-    Every severity's method takes the text, and as options ``throttle_duration_sec`` [s], ``skip_first`` and ``once``,
-    which count for each line of the program that logs.
+    The method for each severity takes the text and the options ``throttle_duration_sec`` [s], ``skip_first`` and
+    ``once``, which apply separately to each line of code that logs.
     """
 
     def __init__(self, name: str = "") -> None:
@@ -101,37 +101,37 @@ class RcutilsLogger:
         return get_logger_effective_level(self.name)
 
     def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:
-        """Whether a line of this severity would be written."""
+        """Return whether a line of this severity would be written."""
         return LoggingSeverity(severity) >= self.get_effective_level()
 
     def debug(self, message: str, **kwargs: Any) -> bool:
-        """Log what only a developer wants to see."""
+        """Log details for developers."""
         return self.log(message, LoggingSeverity.DEBUG, **kwargs)
 
     def info(self, message: str, **kwargs: Any) -> bool:
-        """Log what is normal."""
+        """Log normal operation."""
         return self.log(message, LoggingSeverity.INFO, **kwargs)
 
     def warning(self, message: str, **kwargs: Any) -> bool:
-        """Log what may be a mistake."""
+        """Log a possible mistake."""
         return self.log(message, LoggingSeverity.WARN, **kwargs)
 
     warn = warning
 
     def error(self, message: str, **kwargs: Any) -> bool:
-        """Log what went wrong."""
+        """Log an error."""
         return self.log(message, LoggingSeverity.ERROR, **kwargs)
 
     def fatal(self, message: str, **kwargs: Any) -> bool:
-        """Log what ends the program."""
+        """Log an error that ends the program."""
         return self.log(message, LoggingSeverity.FATAL, **kwargs)
 
     def log(self, message: str, severity: LoggingSeverity | int, **kwargs: Any) -> bool:
         """Write one line, and return whether it was written.
 
         Raises:
-            TypeError: the message is no text, or there is no such option.
-            ValueError: the same line of the program has logged with other options before.
+            TypeError: the message is not a string, or an option is unknown.
+            ValueError: the same line of code has logged with different options before.
         """
         severity = LoggingSeverity(severity)
         name = kwargs.pop("name", self.name)
@@ -149,31 +149,31 @@ class RcutilsLogger:
 
 
 def get_logger(name: str) -> RcutilsLogger:
-    """Return a logger of a name."""
+    """Return the logger with the given name."""
     if not name:
         raise ValueError("Logger name must not be empty.")
     return RcutilsLogger(name)
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bool = False) -> None:  # noqa: ARG001
-    """Drop a logger's lines below this severity; "" is the parent of all loggers."""
+    """Drop a logger's lines below a severity; "" is the parent of all loggers."""
     _levels[name] = LoggingSeverity(level)
 
 
 def get_logger_level(name: str) -> LoggingSeverity:
-    """Return the logger's own level, ``UNSET`` if it has none."""
+    """Return a logger's own level, or ``UNSET`` if it has none."""
     return _levels.get(name, LoggingSeverity.UNSET)
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:
-    """Return the level of the logger or of its nearest parent that has one."""
+    """Return the level of a logger, or of its nearest parent that has one."""
     while name and not _levels.get(name):
         name = name.rpartition(".")[0]
     return _levels[name] or LoggingSeverity.INFO
 
 
 def _filters(options: dict[str, Any]) -> list[str]:
-    """Return the filters that options ask for."""
+    """Return the filters that the options select."""
     filters = [name for name, params in FILTERS.items() if any(options.get(param) for param in params)]
     if "throttle" in filters and "throttle_duration_sec" not in options:
         raise TypeError(
@@ -187,13 +187,13 @@ def _filters(options: dict[str, Any]) -> list[str]:
 
 
 def _change(before: tuple[Any, ...], now: tuple[Any, ...]) -> str:
-    """Return what to say of a line of a program that suddenly logs in another way."""
+    """Return the error message for a line of code whose logging options have changed."""
     things = ("Logger severity", "Logger name", "Requested logging filters", "Logging filter parameters")
     return next(f"{thing} cannot be changed between calls." for thing, a, b in zip(things, before, now) if a != b)
 
 
 def _caller(frame: FrameType | None) -> tuple[str, str, int, int]:
-    """Return where the program logs: the first frame that is not of this module."""
+    """Return where the program logs: the first frame outside this module."""
     while frame is not None and frame.f_code.co_filename == __file__:
         frame = frame.f_back
     assert frame is not None

@@ -24,7 +24,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.guard_condition import GuardCondition
 from rclpy.logging import LoggingSeverity, RcutilsLogger, get_logger, listeners
-from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter  # noqa: F401  (programs find the first here, too)
+from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter  # noqa: F401  (the first is a re-export)
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default  # noqa: F401
 from rclpy.subscription import Subscription
@@ -45,31 +45,31 @@ CLOCK_QOS = QoSProfile(depth=1, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
 
 
 class Node(NodeGraph, NodeParameters):
-    """A member of the node graph: has a name, publishes, subscribes, keeps time. May be used from any thread.
+    """A member of the node graph with a name, publishers, subscriptions and timers. Can be used from any thread.
 
-    Its clock, and the timers that go by it, follow the messages on ``/clock`` while its parameter ``use_sim_time`` is
-    true: the time moves when a message's callback runs, so on the thread that spins.
+    While its parameter ``use_sim_time`` is true, its clock and the timers that use it follow the messages on
+    ``/clock``: the time advances when the callback of such a message runs, on the thread that spins.
 
     Args:
-        node_name: its name; a remapping on the command line wins.
-        context: None takes the default one.
+        node_name: the node's name; a remapping on the command line takes precedence.
+        context: the node's context; None uses the default one.
         cli_args: a command line for this node alone.
-        namespace: put before its name and its topics' names.
+        namespace: prefix of the node's name and its topics' names.
         use_global_arguments: also use the process's command line.
-        enable_rosout: publish what it logs on ``/rosout``.
-        start_parameter_services: without effect, for there are no services here.
-        parameter_overrides: values that win over those of :meth:`declare_parameter`.
+        enable_rosout: also publish the node's log lines on ``/rosout``.
+        start_parameter_services: has no effect, because there are no services here.
+        parameter_overrides: values that take precedence over those of :meth:`declare_parameter`.
         allow_undeclared_parameters: allow setting and reading parameters that have not been declared.
         automatically_declare_parameters_from_overrides: declare the parameters in ``parameter_overrides`` and on the
             command line.
-        **options: others of rclpy's, which are not in the pocket ROS 2.
+        **options: rclpy's other options, which the pocket ROS 2 does not have.
 
     Raises:
         NotInitializedException: ``rclpy.init()`` has not been called.
         NameValidationException: the name or the namespace breaks the rules.
     """
 
-    _clock_subscription: Subscription  # there while it uses simulated time
+    _clock_subscription: Subscription  # exists while the node uses simulated time
 
     def __init__(
         self,
@@ -117,21 +117,21 @@ class Node(NodeGraph, NodeParameters):
             raise
 
     def get_logger(self) -> RcutilsLogger:
-        """Return its logger."""
+        """Return the node's logger."""
         return self._logger
 
     def get_clock(self) -> ROSClock:
-        """Return its clock."""
+        """Return the node's clock."""
         return self._clock
 
     @property
     def context(self) -> Context:
-        """The context that it belongs to."""
+        """The node's context."""
         return self._context
 
     @property
     def executor(self) -> SingleThreadedExecutor | None:
-        """The executor that runs its callbacks."""
+        """The executor that runs the node's callbacks."""
         return self._executor() if self._executor else None
 
     @executor.setter
@@ -146,22 +146,22 @@ class Node(NodeGraph, NodeParameters):
 
     @property
     def publishers(self) -> Iterator[Publisher]:
-        """Its publishers."""
+        """The node's publishers."""
         return (entity for entity in self._entities if isinstance(entity, Publisher))
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
-        """Its subscriptions."""
+        """The node's subscriptions."""
         return (entity for entity in self._entities if isinstance(entity, Subscription))
 
     @property
     def timers(self) -> Iterator[Timer]:
-        """Its timers."""
+        """The node's timers."""
         return (entity for entity in self._entities if isinstance(entity, Timer))
 
     @property
     def guards(self) -> Iterator[GuardCondition]:
-        """Its guard conditions."""
+        """The node's guard conditions."""
         return (entity for entity in self._entities if isinstance(entity, GuardCondition))
 
     def create_publisher(
@@ -173,14 +173,14 @@ class Node(NodeGraph, NodeParameters):
         publisher_class: type[Publisher] = Publisher,
         **options: Any,
     ) -> Publisher:
-        """Make a publisher.
+        """Create a publisher.
 
         Args:
             msg_type: class of the messages.
-            topic: where to; relative to the node's namespace unless it begins with a slash.
-            qos_profile: how hard to try; an int is the number of messages kept for those who are slow.
-            publisher_class: what to make, a subclass of `Publisher` for instance that overrides ``publish``.
-            **options: others of rclpy's, which are not in the pocket ROS 2.
+            topic: the topic's name; relative to the node's namespace unless it begins with a slash.
+            qos_profile: the QoS; an int is the number of messages kept for slow subscriptions.
+            publisher_class: the class to create, such as a subclass of `Publisher` that overrides ``publish``.
+            **options: rclpy's other options, which the pocket ROS 2 does not have.
 
         Raises:
             InvalidTopicNameException: the name breaks the rules.
@@ -201,15 +201,15 @@ class Node(NodeGraph, NodeParameters):
         raw: bool = False,
         **options: Any,
     ) -> Subscription:
-        """Make a subscription.
+        """Create a subscription.
 
         Args:
             msg_type: class of the messages.
-            topic: where from; relative to the node's namespace unless it begins with a slash.
+            topic: the topic's name; relative to the node's namespace unless it begins with a slash.
             callback: called with each message, or with the message and a dict about it, on the thread that spins.
-            qos_profile: how hard to try; an int is the number of messages that wait for the callback.
-            raw: give the callback bytes instead of messages.
-            **options: others of rclpy's, which are not in the pocket ROS 2.
+            qos_profile: the QoS; an int is the number of messages that can wait for the callback.
+            raw: pass bytes to the callback instead of messages.
+            **options: rclpy's other options, which the pocket ROS 2 does not have.
 
         Raises:
             InvalidTopicNameException: the name breaks the rules.
@@ -229,14 +229,14 @@ class Node(NodeGraph, NodeParameters):
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer:
-        """Make a timer.
+        """Create a timer.
 
         Args:
             timer_period_sec: time between calls [s].
             callback: called without arguments, on the thread that spins.
             callback_group: not in the pocket ROS 2.
-            clock: which clock; None takes the node's, so that the timer goes by simulated time where the node does.
-            autostart: start at once.
+            clock: the timer's clock; None uses the node's, which can be simulated.
+            autostart: start immediately.
 
         Raises:
             RCLError: the period is negative, or the context has been shut down.
@@ -247,7 +247,7 @@ class Node(NodeGraph, NodeParameters):
         return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
 
     def create_guard_condition(self, callback: Callable[[], object], callback_group: None = None) -> GuardCondition:
-        """Make a guard condition.
+        """Create a guard condition.
 
         Args:
             callback: called without arguments, on the thread that spins, after any thread has triggered the condition.
@@ -258,11 +258,11 @@ class Node(NodeGraph, NodeParameters):
         return self._add(GuardCondition(self, callback))
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Make a rate, for a loop that runs on another thread than the executor.
+        """Create a rate, for a loop on a different thread than the executor's.
 
         Args:
             frequency: how often the loop runs [Hz].
-            clock: which clock; None takes the node's.
+            clock: the rate's clock; None uses the node's.
 
         Raises:
             ValueError: the frequency is not positive.
@@ -272,15 +272,15 @@ class Node(NodeGraph, NodeParameters):
         return Rate(self.create_timer(1.0 / frequency, lambda: None, clock=clock), context=self._context)
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
-        """Destroy a publisher of this node; False if it has none such any more."""
+        """Destroy a publisher of this node; return False if the node does not have it."""
         return publisher in self.publishers and self._remove(publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
-        """Destroy a subscription of this node; False if it has none such any more."""
+        """Destroy a subscription of this node; return False if the node does not have it."""
         return subscription in self.subscriptions and self._remove(subscription)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        """Destroy a timer of this node; False if it has none such any more."""
+        """Destroy a timer of this node; return False if the node does not have it."""
         return timer in self.timers and self._remove(timer)
 
     def destroy_guard_condition(self, guard: GuardCondition) -> bool:
@@ -294,7 +294,7 @@ class Node(NodeGraph, NodeParameters):
         return destroyed
 
     def destroy_node(self) -> None:
-        """Destroy the node with all that belongs to it; may be called again."""
+        """Destroy the node and its entities. Idempotent."""
         with self._lock:
             self._destroyed = True
             entities, self._entities = self._entities, ()
@@ -308,18 +308,18 @@ class Node(NodeGraph, NodeParameters):
         self.wake_executor()
 
     def wake_executor(self) -> None:
-        """Make the executor look around, because something has been added or removed."""
+        """Wake the executor, because something was added or removed."""
         if executor := self.executor:
             executor.wake()
 
     def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> QoSProfile:
-        """Return the profile that a program means, once all that it gives for an endpoint is right.
+        """Check a program's arguments for an endpoint, and return the resulting QoS profile.
 
         Raises:
             ValueError: the depth is negative.
-            TypeError: the profile is none.
+            TypeError: the profile is not a QoSProfile or an int.
             InvalidTopicNameException: the topic's name breaks the rules.
-            AttributeError: the messages' type is none.
+            AttributeError: the type is not a message type.
         """
         if isinstance(qos_profile, int):
             if qos_profile < 0:
@@ -338,7 +338,7 @@ class Node(NodeGraph, NodeParameters):
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
-        """Say in rclpy's words why something cannot be made, also if the node goes at this very moment."""
+        """Convert errors while creating an entity to rclpy's, even if the node or context is closed meanwhile."""
         self._require_context(what)
         try:
             yield
@@ -353,7 +353,7 @@ class Node(NodeGraph, NodeParameters):
 
     def _add(self, entity: Entity) -> Entity:
         with self._lock:
-            if self._destroyed and not isinstance(entity, Timer):  # rclpy makes timers also then, and calls them
+            if self._destroyed and not isinstance(entity, Timer):  # rclpy still makes timers then, and calls them
                 entity.close()
                 raise InvalidHandle
             self._entities = (*self._entities, entity)
@@ -361,7 +361,7 @@ class Node(NodeGraph, NodeParameters):
         return entity
 
     def _remove(self, entity: Any, keep: bool = False) -> bool:
-        """Destroy an entity; False if there is none such. What is kept stays the node's, as after its own destroy()."""
+        """Destroy an entity, or return False if the node does not have it. With ``keep``, the node still lists it."""
         with self._lock:
             if entity not in self._entities or (keep and entity._destroyed):
                 return False
@@ -372,7 +372,7 @@ class Node(NodeGraph, NodeParameters):
         return True
 
     def _endpoints_changed(self) -> None:
-        with self._lock:  # what is announced last is what there is
+        with self._lock:  # so that the last announcement is the current one
             there = [entity for entity in (*self._entities, self._rosout) if entity and not entity._destroyed]
             writers = [entity.guid for entity in there if isinstance(entity, Publisher)]
             readers = [entity.guid for entity in there if isinstance(entity, Subscription)]
@@ -385,7 +385,7 @@ class Node(NodeGraph, NodeParameters):
         self._parameter_events.publish(event)
 
     def _use_sim_time(self, enabled: bool) -> None:
-        """Have its clock go by ``/clock`` from now on, or by the system's time."""
+        """Switch the clock to ``/clock``, or back to the system's time."""
         if enabled == self._clock.ros_time_is_active:
             return
         self._clock._jump(enabled, self._clock._simulated_ns)
@@ -398,7 +398,7 @@ class Node(NodeGraph, NodeParameters):
         self._clock.set_ros_time_override(Time.from_msg(message.clock))
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
-        """Publish a log line on ``/rosout``. Called by the logger; a shutdown meanwhile is no error of who logs."""
+        """Publish a log line on ``/rosout``. Called by the logger, so a concurrent shutdown must not raise."""
         rosout = self._rosout
         if rosout is None or not self._context.ok():
             return

@@ -13,12 +13,12 @@ PARAMETER_SEPARATOR_STRING = "."
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Parameter:
-    """A named setting, which cannot be changed; ``Node.set_parameters`` puts another one in its place.
+    """A named, immutable setting; ``Node.set_parameters`` replaces it.
 
     Args:
-        name: of the parameter.
-        type_: None takes the value's.
-        value: of one of the types that parameters can have.
+        name: the parameter's name.
+        type_: the parameter's type; None uses the type of the value.
+        value: a value of one of the types that parameters can have.
 
     Raises:
         TypeError: parameters cannot have such a value.
@@ -44,7 +44,7 @@ class Parameter:
             """Return the type of a value.
 
             Raises:
-                TypeError: it is of none of them.
+                TypeError: the value is of none of these types.
             """
             for type_ in cls:
                 if type_._describes(parameter_value):
@@ -53,7 +53,7 @@ class Parameter:
             raise TypeError(f"The given value is not {a_list_of}one of the allowed types '{parameter_value}'.")
 
         def check(self, parameter_value: Any) -> bool:
-            """Whether a parameter of this type can have this value."""
+            """Return whether a parameter of this type can have the given value."""
             if not self._describes(parameter_value):
                 return False
             if isinstance(parameter_value, array):
@@ -61,7 +61,7 @@ class Parameter:
             return self.name != "BYTE_ARRAY" or all(len(value) == 1 for value in parameter_value)
 
         def _describes(self, parameter_value: Any) -> bool:
-            """Whether a value, or every element of it, is of this type."""
+            """Return whether a value, or every element of it, is of this type."""
             element, is_array = _PYTHON_TYPES[self.name.removesuffix("_ARRAY")], self.name.endswith("_ARRAY")
             values = parameter_value if is_array else [parameter_value]
             return isinstance(values, (list, tuple, array)) and all(isinstance(value, element) for value in values)
@@ -81,7 +81,7 @@ class Parameter:
 
     @classmethod
     def from_parameter_msg(cls, param_msg: ParameterMessage) -> Self:
-        """Make a parameter from a ``rcl_interfaces.msg.Parameter``."""
+        """Create a parameter from a ``rcl_interfaces.msg.Parameter``."""
         type_ = cls.Type(param_msg.value.type)
         return cls(param_msg.name, type_, None if type_ == cls.Type.NOT_SET else _value(param_msg.value, type_))
 
@@ -98,7 +98,7 @@ class Parameter:
 
 
 def get_parameter_value(string_value: str) -> ParameterValue:
-    """Guess a value from its text, as on a command line: ``"1"`` is an integer, ``"[a, b]"`` a list of strings."""
+    """Parse a value as on a command line: ``"1"`` is an integer, ``"[a, b]"`` a list of strings."""
     import yaml  # noqa: PLC0415  (rarely needed)
 
     try:

@@ -9,7 +9,7 @@ from rclpy.duration import Duration, Infinite
 
 
 class Publisher(Endpoint):
-    """Sends messages to a topic; made by ``Node.create_publisher``. May be used from any thread."""
+    """Sends messages to a topic; created by ``Node.create_publisher``. Can be used from any thread."""
 
     _kind = DataWriter
     _noun = "publisher"
@@ -20,13 +20,13 @@ class Publisher(Endpoint):
     )
 
     def publish(self, msg: Message | bytes) -> None:
-        """Send a message, given as such or already serialised.
+        """Publish a message, given as an object or as serialised bytes.
 
         Raises:
-            TypeError: it is of another type, or a field holds what its type cannot.
-            AttributeError: a field holds something else than the message that belongs there.
+            TypeError: the message is of a different type, or a field holds a value that does not fit its type.
+            AttributeError: a field that needs a message holds something else.
             InvalidHandle: the publisher has been destroyed.
-            RCLError: the context has been shut down, by a signal perhaps: so a loop that publishes ends.
+            RCLError: the context has been shut down, perhaps by a signal; this ends a loop that publishes.
         """
         self._require_handle()
         if isinstance(msg, self.msg_type):
@@ -42,7 +42,7 @@ class Publisher(Endpoint):
             raise self._explain(error, "Failed to publish") from None
 
     def get_subscription_count(self) -> int:
-        """Return the number of subscriptions that receive what is published.
+        """Return the number of subscriptions that receive the published messages.
 
         Raises:
             RCLError: the context has been shut down.
@@ -52,18 +52,18 @@ class Publisher(Endpoint):
         return self._count_matched("get_publication_matched_status", "subscription")
 
     def wait_for_all_acked(self, timeout: Duration = Infinite) -> bool:
-        """Wait until every reliable subscription has received everything; False if time runs out.
+        """Wait until every reliable subscription has received all messages; return False on a timeout.
 
         Args:
-            timeout: how long at most.
+            timeout: maximum wait.
 
         Raises:
-            RCLError: the context is shut down meanwhile.
+            RCLError: the context was shut down during the wait.
         """
-        self.get_subscription_count()  # raises if there is no publisher any more
+        self.get_subscription_count()  # raises if the publisher no longer works
         try:
             return bool(self._dds.wait_for_acks(timeout.nanoseconds))
-        except AttributeError:  # what cyclonedds 11.0.1 raises when time runs out
+        except AttributeError:  # raised by cyclonedds 11.0.1 on a timeout
             return False
         except DDSException as error:
             raise self._explain(error, "Failed to wait for all acknowledgements") from None

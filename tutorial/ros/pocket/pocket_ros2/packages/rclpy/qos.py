@@ -1,4 +1,4 @@
-"""Quality of service: how hard the middleware tries to deliver messages."""
+"""Quality of service: rules for how the middleware delivers messages."""
 
 import warnings
 from dataclasses import MISSING, dataclass, field, fields
@@ -14,14 +14,14 @@ ZERO_DEPTH = (
 
 
 class InvalidQoSProfileException(Exception):  # noqa: N818  (rclpy's name)
-    """A profile was made of settings that don't go together."""
+    """A profile has settings that don't go together."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__("Invalid QoSProfile", *args)
 
 
 class _ShortKeys(Enum):
-    """Names its members as the ``ros2`` command does, such as ``"best_effort"``."""
+    """Enum whose members also have the names that the ``ros2`` command uses, such as ``"best_effort"``."""
 
     @classmethod
     def short_keys(cls) -> list[str]:
@@ -30,12 +30,12 @@ class _ShortKeys(Enum):
 
     @classmethod
     def get_from_short_key(cls, name: str) -> Any:
-        """Return what is called so: a policy's number, a profile."""
+        """Return the value of the member with a short name: a policy's number, or a profile."""
         return cls[name.upper()].value
 
     @property
     def short_key(self) -> str:
-        """The member's name."""
+        """The member's name in the ``ros2`` command."""
         return self.name.lower()
 
 
@@ -44,7 +44,7 @@ class QoSPolicyEnum(_ShortKeys, IntEnum):
 
 
 class HistoryPolicy(QoSPolicyEnum):
-    """Which messages are kept until they are taken."""
+    """Which messages are stored until they are taken."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
@@ -63,7 +63,7 @@ class ReliabilityPolicy(QoSPolicyEnum):
 
 
 class DurabilityPolicy(QoSPolicyEnum):
-    """Whether a subscription that comes late receives earlier messages."""
+    """Whether a late subscription receives earlier messages."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -97,7 +97,7 @@ class _OldName:
 def _add_old_names() -> None:
     """Add deprecated names such as ``HistoryPolicy.RMW_QOS_POLICY_HISTORY_KEEP_LAST``."""
     for policy in (HistoryPolicy, ReliabilityPolicy, DurabilityPolicy, LivelinessPolicy):
-        for new in policy.__members__.keys() - {"BEST_AVAILABLE"}:  # it never had another name
+        for new in policy.__members__.keys() - {"BEST_AVAILABLE"}:  # it has no old name
             kind = policy.__name__.removesuffix("Policy").upper()
             if policy is LivelinessPolicy and new == "UNKNOWN":
                 kind = "DURABILITY"  # as in rclpy
@@ -118,19 +118,19 @@ class QoSProfile:
     """A set of policies.
 
     Attributes:
-        history: which messages are kept.
-        depth: how many, for ``KEEP_LAST``.
+        history: which messages are stored.
+        depth: how many messages are stored with ``KEEP_LAST``.
         reliability: whether lost messages are sent again.
-        durability: whether a subscription that comes late receives earlier messages.
-        lifespan: age at which a message is dropped; 0, as for those below: none.
-        deadline: longest time expected between two messages.
+        durability: whether a late subscription receives earlier messages.
+        lifespan: maximum age of a message; 0 means no limit, here and in the durations below.
+        deadline: longest expected time between two messages.
         liveliness: how a publisher shows that it is alive.
-        liveliness_lease_duration: time after which a silent publisher counts as gone.
-        avoid_ros_namespace_conventions: the topic is one of DDS, called as it stands.
+        liveliness_lease_duration: how long a publisher can be silent before it counts as gone.
+        avoid_ros_namespace_conventions: use the topic's name unchanged in DDS.
 
     Raises:
-        InvalidQoSProfileException: neither history nor depth is given, or no depth for ``KEEP_LAST``.
-        AssertionError: a setting is of the wrong type, or there is no such setting.
+        InvalidQoSProfileException: neither history nor depth is given, or ``KEEP_LAST`` without a depth.
+        AssertionError: a setting is of the wrong type, or is unknown.
     """
 
     history: HistoryPolicy = HistoryPolicy.KEEP_LAST
@@ -170,7 +170,7 @@ DEFAULTS: dict[str, Any] = {p.name: Duration() if p.default is MISSING else p.de
 
 
 def _every_policy(name: str, **others: Any) -> QoSProfile:
-    """Return the profile in which every policy that can be so is the one of this name."""
+    """Return a profile that uses the value ``name`` for every policy that has it."""
     kinds = {setting: type(default) for setting, default in DEFAULTS.items() if isinstance(default, QoSPolicyEnum)}
     return QoSProfile(**{policy: kind[name] for policy, kind in kinds.items() if name in kind.__members__}, **others)
 
@@ -191,7 +191,7 @@ qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPol
 
 
 class QoSPresetProfiles(_ShortKeys):
-    """The predefined profiles by name; those that are equal are one."""
+    """The predefined profiles by name; equal profiles are the same member."""
 
     UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default

@@ -1,26 +1,26 @@
-"""Messages as bytes."""
+"""Serialise and deserialise messages."""
 
 from _rosidl.message import Message
 from rclpy._wire import check_message_type, decode, encode
 
 
 def serialize_message(message: Message) -> bytes:
-    """Return a message as it travels: a CDR header and the fields.
+    """Return a message as CDR bytes with their header.
 
     Raises:
-        AttributeError: it is no message.
-        TypeError: a field holds what its type cannot.
+        AttributeError: the argument is not a message.
+        TypeError: a field holds a value that does not fit its type.
     """
     check_message_type(type(message))
     return encode(message)
 
 
 def deserialize_message(serialized_message: bytes, message_type: type[Message]) -> Message:
-    """Return the message that the bytes are.
+    """Create a message from CDR bytes.
 
     Raises:
-        AttributeError: the type is no message type.
-        RCLError: the bytes are no such message.
+        AttributeError: the type is not a message type.
+        RCLError: the bytes are not such a message.
     """
     check_message_type(message_type)
     return decode(serialized_message, message_type)

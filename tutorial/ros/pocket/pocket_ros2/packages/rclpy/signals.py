@@ -1,4 +1,4 @@
-"""What happens at Ctrl-C (SIGINT) and at a polite kill (SIGTERM)."""
+"""Handle Ctrl-C (SIGINT) and SIGTERM."""
 
 import signal
 import threading
@@ -10,7 +10,7 @@ from rclpy.context import stop_all
 
 
 class SignalHandlerOptions(IntFlag):
-    """Which signals shut every context down."""
+    """Signals that shut down all contexts."""
 
     NO = 0
     SIGINT = 1
@@ -23,10 +23,10 @@ _previous: dict[int, Any] = {}
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
-    """Shut every context down at these signals.
+    """Shut down all contexts on these signals.
 
-    Python allows it on the main thread only; elsewhere nothing happens. What was installed before is called, too, so
-    that Ctrl-C still raises KeyboardInterrupt.
+    Python allows this only on the main thread; on any other thread, nothing happens. The previous handlers are still
+    called, so Ctrl-C still raises KeyboardInterrupt.
     """
     if threading.current_thread() is threading.main_thread():
         for option, number in _SIGNALS.items():
@@ -35,7 +35,7 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
 
 
 def uninstall_signal_handlers() -> None:
-    """Put back what was installed before, unless somebody else has installed something since."""
+    """Restore the previous handlers, unless they have been replaced since."""
     if threading.current_thread() is threading.main_thread():
         for number in list(_previous):
             previous = _previous.pop(number)

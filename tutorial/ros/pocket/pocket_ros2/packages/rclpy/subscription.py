@@ -23,17 +23,17 @@ Callback = Callable[..., object]
 
 
 class Subscription(Endpoint):
-    """Receives a topic's messages; made by ``Node.create_subscription``.
+    """Receives a topic's messages; created by ``Node.create_subscription``.
 
-    Its callback runs on the thread that spins. Everything else may be used from any thread.
+    Its callback runs on the thread that spins. Everything else can be used from any thread.
 
     Args:
-        node: that it belongs to.
-        msg_type: class of its messages.
-        topic: as the program calls it.
+        node: the node that it belongs to.
+        msg_type: the class of its messages.
+        topic: the topic's name, as the program gives it.
         callback: called with each message, or with the message and a dict about it.
-        qos_profile: how hard to try, and how many messages wait for the callback.
-        raw: give the callback bytes instead of messages.
+        qos_profile: its QoS, including how many messages can wait for the callback.
+        raw: pass bytes to the callback instead of messages.
     """
 
     _kind = DataReader
@@ -57,7 +57,7 @@ class Subscription(Endpoint):
 
     @property
     def callback(self) -> Callback:
-        """What is called with each message, or with the message and a dict about it."""
+        """The function that is called with each message, or with the message and a dict about it."""
         return self._callback
 
     @callback.setter
@@ -75,7 +75,7 @@ class Subscription(Endpoint):
         return self._count_matched("get_subscription_matched_status", "publisher")
 
     def execute(self) -> bool:
-        """Take one message, if there is one, and call back with it. Called by the executor.
+        """Take a message, if there is one, and call the callback with it. Called by the executor.
 
         Returns:
             Whether the callback was called.
@@ -94,7 +94,7 @@ class Subscription(Endpoint):
         return False
 
     def _take(self) -> Any:
-        """Return the next message as it was received, None if there is none."""
+        """Return the next message undecoded, or None if there is none."""
         try:
             while not self._destroyed and (samples := self._dds.take(1)):
                 if samples[0].sample_info.valid_data:
@@ -108,7 +108,7 @@ class Subscription(Endpoint):
         if not self._has_reported_malformed:
             self._has_reported_malformed = True
             self._node.get_logger().error(
-                f"A message on topic '{self.topic}' is dropped: {error}. Others like it are dropped without a word."
+                f"A message on topic '{self.topic}' is dropped: {error}. Others like it will be dropped silently."
             )
 
 
@@ -116,7 +116,7 @@ def _info(payload: Any) -> dict[str, int | None]:
     return {
         "source_timestamp": payload.sample_info.source_timestamp,
         "received_timestamp": time.time_ns(),
-        "publication_sequence_number": None,  # with Cyclone DDS, as in ROS 2
+        "publication_sequence_number": None,  # as in ROS 2 with Cyclone DDS
         "reception_sequence_number": None,
     }
 

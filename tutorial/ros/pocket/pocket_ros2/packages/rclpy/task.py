@@ -1,4 +1,4 @@
-"""A result that comes later."""
+"""Futures: results that become available later."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rclpy import _absent
 
 
 class Future:
-    """A result that comes later; may be set and read on any thread.
+    """A result that becomes available later; can be set and read on any thread.
 
     ``rclpy.spin_until_future_complete`` waits for it while callbacks run.
 
@@ -35,38 +35,38 @@ class Future:
             sys.stderr.write(f"The following exception was never retrieved: {self._exception}\n")
 
     def done(self) -> bool:
-        """Whether there is a result or an exception."""
+        """Return whether there is a result or an exception."""
         return self._done
 
     def cancelled(self) -> bool:
-        """Whether it has been cancelled, and has no result."""
+        """Return whether the future has been cancelled and has no result."""
         return self._cancelled
 
     def result(self) -> Any:
-        """Return the result, None if there is none yet, or raise the exception that was set instead."""
+        """Return the result, or None if there is none yet; raise the exception that was set instead."""
         if exception := self.exception():
             raise exception
         return self._result
 
     def exception(self) -> Exception | None:
-        """Return the exception that was set instead of a result."""
+        """Return the exception that was set instead of a result, or None."""
         self._exception_fetched = True
         return self._exception
 
     def set_result(self, result: Any) -> None:
-        """Give it its result."""
+        """Set the result."""
         self._finish(_result=result, _done=True, _cancelled=False)
 
     def set_exception(self, exception: Exception) -> None:
-        """Give it an exception instead of a result."""
+        """Set an exception instead of a result."""
         self._finish(_exception=exception, _exception_fetched=False, _done=True, _cancelled=False)
 
     def cancel(self) -> None:
-        """Say that the result is no longer wanted, unless there is one."""
+        """Cancel the future, unless it has a result."""
         self._finish(_cancelled=not self._done)
 
     def add_done_callback(self, callback: Callable[[Future], object]) -> None:
-        """Call back when there is a result or it is cancelled, at once if there is a result."""
+        """Call a function once there is a result or the future is cancelled; call it now if there is a result."""
         with self._lock:
             if not self._done:
                 self._callbacks.append(callback)
@@ -75,7 +75,7 @@ class Future:
 
     @contextmanager
     def _telling(self, callback: Callable[[Future], object]) -> Iterator[None]:
-        """Call back as `add_done_callback` does, but only until the end of the block."""
+        """Add a done callback, and remove it at the end of the block."""
         self.add_done_callback(callback)
         try:
             yield
@@ -90,5 +90,5 @@ class Future:
         for callback in callbacks:
             try:
                 callback(self)
-            except Exception as error:  # noqa: BLE001  (a callback may raise anything)
+            except Exception as error:  # noqa: BLE001  (a callback can raise anything)
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)

@@ -15,16 +15,16 @@ from rclpy.duration import Duration
 
 @total_ordering
 class Time:  # noqa: PLW1641  (rclpy's has no hash either)
-    """A point in time, kept in whole nanoseconds since its clock's beginning.
+    """A point in time, in whole nanoseconds since the beginning of its clock.
 
     Args:
-        seconds: [s], not negative.
-        nanoseconds: [ns], not negative, added to it.
+        seconds: the time [s]; not negative.
+        nanoseconds: added to ``seconds`` [ns]; not negative.
         clock_type: the kind of clock; times of different kinds cannot be compared.
 
     Raises:
-        ValueError: it is negative.
-        OverflowError: it is longer than 2^63 ns.
+        ValueError: an argument is negative.
+        OverflowError: the time exceeds 2^63 ns.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
 
     @classmethod
     def from_msg(cls, msg: TimeMessage, clock_type: ClockType = ClockType.ROS_TIME) -> Self:
-        """Make a time of a ``builtin_interfaces.msg.Time``."""
+        """Create a time from a ``builtin_interfaces.msg.Time``."""
         if not isinstance(msg, TimeMessage):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)
@@ -96,7 +96,7 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
         return self._nanoseconds < self._comparable(other) if isinstance(other, Time) else NotImplemented
 
     def _comparable(self, other: Time, what: str = "compare") -> int:
-        """Return the other time [ns] if it is one of the same kind of clock."""
+        """Return another time [ns], or raise TypeError if it is of a different clock type."""
         if self._clock_type != other._clock_type:
             raise TypeError(f"Can't {what} times with different clock types")
         return other._nanoseconds

@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 
 
 class Timer(Destroyable):
-    """Calls back again and again; made by ``Node.create_timer``.
+    """Runs a callback periodically; created by ``Node.create_timer``.
 
-    The callback runs on the thread that spins. If that thread is late, calls are skipped rather than made up for, and
-    the rest keep their rhythm, as in ROS 2. Where its clock tells simulated time it goes by that: it calls when a
-    message on ``/clock`` has come that far. Once it is destroyed, its methods raise InvalidHandle.
+    The callback runs on the thread that spins. If that thread is late, missed calls are skipped and later ones keep
+    the rhythm, as in ROS 2. With simulated time, the timer fires when a message on ``/clock`` reaches the time of the
+    next call. Once the timer is destroyed, its methods raise InvalidHandle.
 
     Args:
-        node: that it belongs to.
+        node: the node that it belongs to.
         callback: called without arguments.
         timer_period_ns: time between calls [ns].
-        clock: that it was made with.
-        autostart: start at once, else at :meth:`reset`.
+        clock: the clock that measures the period.
+        autostart: start immediately; otherwise start with :meth:`reset`.
 
     Raises:
         RCLError: the period is negative, or the context is not running.
@@ -52,21 +52,21 @@ class Timer(Destroyable):
         clock._timers.add(self)
 
     def is_ready(self) -> bool:
-        """Whether it is time to call."""
+        """Return whether a call is due."""
         return not self._canceled and self._now() >= self._next_call
 
     def is_canceled(self) -> bool:
-        """Whether it has been stopped."""
+        """Return whether the timer has been stopped."""
         self._now()
         return self._canceled
 
     def cancel(self) -> None:
-        """Stop it; :meth:`reset` starts it again."""
+        """Stop the timer; :meth:`reset` starts it again."""
         self._now()
         self._canceled = True
 
     def reset(self) -> None:
-        """Start it anew: the next call is one period from now."""
+        """Start the timer again: the next call is one period from now."""
         self._next_call = self._now() + self.timer_period_ns
         self._canceled = False
         self._node.wake_executor()
@@ -81,22 +81,22 @@ class Timer(Destroyable):
         return None if self._canceled else until
 
     def destroy(self) -> None:
-        """Destroy it; may be called again. As in rclpy the node still counts it among its own."""
+        """Destroy the timer. Idempotent. As in rclpy, the node still lists it."""
         self._node._remove(self, keep=True)
 
     def close(self) -> None:
-        """Stop it for good. Called by the node."""
+        """Stop the timer for good. Called by the node."""
         self._destroyed = True
         self.clock._timers.discard(self)
 
     def wait_time(self) -> float:
-        """Return how long the executor may wait for it [s]; infinite if only a message on ``/clock`` makes it call."""
+        """Return how long the executor can wait for it [s]; infinite if only a message on ``/clock`` can trigger it."""
         left = self._next_call - self.clock._timer_ns()
         stands = left > 0 and self.clock._is_simulated
         return math.inf if self._destroyed or self._canceled or stands else left / S_TO_NS
 
     def execute(self) -> bool:
-        """Call back if it is time. Called by the executor.
+        """Run the callback if it is due. Called by the executor.
 
         Returns:
             Whether the callback was called.
@@ -111,35 +111,35 @@ class Timer(Destroyable):
         return True
 
     def clock_has_jumped(self, before: int, switched: bool) -> None:
-        """Go on as rcl's timers do: from the beginning after a jump back, with what is left after a switch.
+        """Adjust to a clock's jump as rcl does: start again after a jump back, keep the remaining time after a switch.
 
         Args:
-            before: what the clock told before [ns].
-            switched: it has been switched between the system's time and simulated time.
+            before: the clock's time before the jump [ns].
+            switched: whether the clock switched between the system's time and simulated time.
         """
         now, period = self.clock._timer_ns(), self.timer_period_ns
-        if switched and not now:  # nothing heard on /clock: whatever comes is a jump back
+        if switched and not now:  # no message on /clock yet: the first one counts as a jump back
             self._last_call = self._next_call = 2**63 - 1
         elif switched and before:
-            self._last_call = now - (self._next_call - before)  # as in rcl, though what is left is the other part
+            self._last_call = now - (self._next_call - before)  # as in rcl, though it subtracts the time left
             self._next_call = self._last_call + period
         elif switched or now < self._last_call:
             self._last_call, self._next_call = now, now + period
 
     def _now(self) -> int:
-        """Return the time [ns], if the timer still exists."""
+        """Return the clock's time [ns]; raise InvalidHandle if the timer has been destroyed."""
         self._require_handle()
         return self.clock._timer_ns()
 
 
 class Rate:
-    """Sleeps at a fixed rate; made by ``Node.create_rate``.
+    """Sleeps at a fixed rate; created by ``Node.create_rate``.
 
-    The node has to spin on another thread. In a callback of the executor that spins it, :meth:`sleep` never returns.
+    The node has to spin on another thread. In a callback of its own executor, :meth:`sleep` never returns.
 
     Args:
-        timer: wakes the sleepers.
-        context: its shutdown wakes them, too.
+        timer: the timer that wakes sleepers.
+        context: a context whose shutdown wakes them, too.
     """
 
     def __init__(self, timer: Timer, *, context: Context) -> None:

@@ -1,4 +1,4 @@
-"""What is known about a publisher or subscription on a topic."""
+"""Information about a publisher or subscription on a topic."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -8,7 +8,7 @@ from rclpy.type_hash import TypeHash
 
 
 class TopicEndpointTypeEnum(IntEnum):
-    """Which of the two it is."""
+    """The kind of endpoint."""
 
     INVALID = 0
     PUBLISHER = 1
@@ -17,12 +17,12 @@ class TopicEndpointTypeEnum(IntEnum):
 
 @dataclass
 class TopicEndpointInfo:
-    """A publisher or subscription, with the node it belongs to.
+    """A publisher or subscription, and its node.
 
     Attributes:
-        topic_type: such as ``"sensor_msgs/msg/Joy"``.
-        endpoint_gid: the 16 bytes that tell it from all others.
-        qos_profile: what it offers or asks for.
+        topic_type: the message type, such as ``"sensor_msgs/msg/Joy"``.
+        endpoint_gid: the 16 bytes that identify the endpoint.
+        qos_profile: the QoS that it offers or requests.
     """
 
     node_name: str

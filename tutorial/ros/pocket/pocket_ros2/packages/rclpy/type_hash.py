@@ -1,4 +1,4 @@
-"""What tells one definition of a message type from another."""
+"""Hashes that identify definitions of message types."""
 
 from dataclasses import dataclass
 
@@ -8,8 +8,8 @@ class TypeHash:
     """The hash of a type (REP 2016).
 
     Attributes:
-        version: of the way to compute it; -1: there is none.
-        value: its 32 bytes.
+        version: version of the algorithm; -1 if there is no hash.
+        value: the hash, 32 bytes.
     """
 
     version: int = -1

@@ -1,7 +1,7 @@
 """The part of tf2_ros that publishes transforms. Receiving and combining transforms needs a real ROS 2."""
 
 from _absent import TABLE, absent_names
-from geometry_msgs.msg import TransformStamped as TransformStamped  # programs find it here, too
+from geometry_msgs.msg import TransformStamped as TransformStamped  # re-export
 from tf2_ros.static_transform_broadcaster import StaticTransformBroadcaster
 from tf2_ros.transform_broadcaster import TransformBroadcaster
 

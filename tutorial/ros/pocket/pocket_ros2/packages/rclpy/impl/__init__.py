@@ -1,1 +1,1 @@
-"""Where rclpy keeps its logging; see :mod:`rclpy.logging`."""
+"""The package where rclpy keeps its logging; see :mod:`rclpy.logging`."""

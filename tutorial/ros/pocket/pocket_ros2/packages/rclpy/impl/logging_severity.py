@@ -1,3 +1,3 @@
-"""How much a log line matters."""
+"""Severities of log lines."""
 
-from rclpy.logging import LoggingSeverity as LoggingSeverity  # noqa: PLC0414  (programs find it here)
+from rclpy.logging import LoggingSeverity as LoggingSeverity  # noqa: PLC0414  (re-export)

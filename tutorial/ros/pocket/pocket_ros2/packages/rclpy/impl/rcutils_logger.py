@@ -1,3 +1,3 @@
-"""What writes log lines."""
+"""The logger class."""
 
-from rclpy.logging import RcutilsLogger as RcutilsLogger  # noqa: PLC0414  (programs find it here)
+from rclpy.logging import RcutilsLogger as RcutilsLogger  # noqa: PLC0414  (re-export)
