@@ -36,7 +36,7 @@ def rclpy(tmp_path):
 
 def test_rclpy_for_another_python(rclpy):
     with pytest.raises(
-        TutorialError, match=rf"python3\.10/.* is for another Python than this one, python{OURS}\. .*=pocket"
+        TutorialError, match=rf"python3\.10/.* is for a different Python version than .*, python{OURS}\. .*=pocket"
     ):
         _check_version(rclpy)
 
@@ -68,7 +68,7 @@ def run(code, **variables):
 )
 def test_every_entry_point_reports_it(rclpy, code):
     said = run(code, PYTHONPATH=str(rclpy.parent))
-    assert "is for another Python" in said
+    assert "is for a different Python version" in said
     assert "step2.yaml" not in said
 
 
@@ -79,7 +79,7 @@ def test_every_entry_point_reports_it(rclpy, code):
     [
         ("use_real_ros(); import rclpy; print(rclpy.__file__)", "made/lib/"),
         ("use_real_ros(); print(os.environ['TUTORIAL_ROS'], os.environ[folder.RANGE])", "rclpy LOCALHOST"),
-        ("import rclpy; use_real_ros()", "the pocket ROS 2 is in use already"),
+        ("import rclpy; use_real_ros()", "the pocket ROS 2 is already in use"),
         ("from std_msgs.msg import String; use_real_ros()", "restart the kernel"),
         ("(made / 'runtime.txt').write_text('older'); use_real_ros()", "out of date. Type tank ros install."),
         ("shutil.rmtree(made); use_real_ros()", "not installed. Type tank ros install."),

@@ -1,1 +1,1 @@
-"""What meets ROS 2: which rclpy is in use, a node on a thread of its own, and what ``ros2`` prints."""
+"""Connect the tutorial to ROS 2: the choice of rclpy, a node on its own thread, and the output of ``ros2`` commands."""

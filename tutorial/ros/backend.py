@@ -1,4 +1,4 @@
-"""Which ROS 2 is in use: a real one if this Python finds it or the user asks for it, else the pocket ROS 2."""
+"""Choose a ROS 2: a real one if Python finds it or the user requests it, otherwise the pocket ROS 2."""
 
 import os
 import sys
@@ -19,29 +19,29 @@ VARIABLE = "TUTORIAL_ROS"
 
 @cache
 def ros_backend() -> Backend:
-    """Return which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package.
+    """Return which ROS 2 this process uses: ``"rclpy"`` (a real one) or ``"pocket"`` (the one in this package).
 
-    It is decided once, and ``import rclpy`` and the messages work accordingly. A sourced ROS 2 is used if there is one.
-    Otherwise ``TUTORIAL_ROS=rclpy`` selects the one in the folder that ``tank ros install`` fills, and without the
-    variable the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` selects the pocket ROS 2 in any case.
+    The first call decides, and makes rclpy and the message packages importable. A sourced ROS 2 takes precedence.
+    Without one, ``TUTORIAL_ROS=rclpy`` selects the ROS 2 that ``tank ros install`` has installed. If the variable is
+    unset, the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` always selects the pocket ROS 2.
 
     Raises:
-        TutorialError: ``TUTORIAL_ROS`` has another value, or the ROS 2 that was asked for cannot be used.
+        TutorialError: ``TUTORIAL_ROS`` has an invalid value, or the requested ROS 2 cannot be used.
     """
     return _choose(os.environ.get(VARIABLE, ""))
 
 
 def use_real_ros() -> None:
-    """Use a real ROS 2 in this process and in those that it starts: a sourced one, else that of ``tank ros install``.
+    """Use a real ROS 2 here and in child processes: a sourced one, or the one that ``tank ros install`` has installed.
 
-    Call it before anything of ROS 2 is imported, in a notebook in its first cell::
+    Call it before importing anything from ROS 2, in the first cell of a notebook::
 
         from tutorial import use_real_ros
 
         use_real_ros()
 
     Raises:
-        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the text says what to do.
+        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the message says what to do.
     """
     _choose("rclpy")
     os.environ[VARIABLE] = "rclpy"
@@ -49,9 +49,9 @@ def use_real_ros() -> None:
 
 
 def promise() -> None:
-    """Make ``import rclpy`` work, or let it raise an error that says what is wrong.
+    """Make ``import rclpy`` work, or make it raise an error that explains the problem.
 
-    ``import tutorial`` itself does not fail: without rclpy, ``tank doctor`` can still find out why there is none.
+    ``import tutorial`` itself does not fail, so ``tank doctor`` can run without rclpy and find out why it is missing.
     """
     try:
         ros_backend()
@@ -60,10 +60,10 @@ def promise() -> None:
 
 
 class _Guard(MetaPathFinder):
-    """Checks each import.
+    """Import hook that checks each module.
 
     Args:
-        check: called with the full name of a module. It raises an error if the module must not be imported.
+        check: called with a module's full name; raises an error if the module must not be imported.
     """
 
     def __init__(self, check: Callable[[str], None]) -> None:
@@ -74,20 +74,20 @@ class _Guard(MetaPathFinder):
 
 
 def _require_backend(module: str) -> None:
-    """Raise the error of `ros_backend`, if it still has one, for a module of ROS 2."""
+    """Raise the error of `ros_backend`, if it still fails, when a ROS 2 module is imported."""
     if module == "rclpy" or module.endswith(("_msgs", "_interfaces")):
         ros_backend()
 
 
 def _choose(wanted: str) -> Backend:
-    """Make the rclpy importable that a value of ``TUTORIAL_ROS`` asks for.
+    """Make the rclpy importable that a value of ``TUTORIAL_ROS`` selects.
 
     Raises:
-        TutorialError: the value is not valid, or the ROS 2 that it asks for cannot be used.
+        TutorialError: the value is invalid, or the selected ROS 2 cannot be used.
     """
     if wanted not in ("", "rclpy", "pocket"):
         raise TutorialError(f"{VARIABLE} is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'pocket'))}")
-    import pocket_ros2  # noqa: PLC0415  (which makes an rclpy importable)
+    import pocket_ros2  # noqa: PLC0415  (importing it makes rclpy importable)
 
     if wanted == "pocket":
         pocket_ros2.install(first=True)
@@ -101,7 +101,7 @@ def _choose(wanted: str) -> Backend:
         folder.check()
     if wanted == "rclpy" and not pocket_ros2.uninstall():
         raise TutorialError(
-            "the pocket ROS 2 is in use already. Choose the real one before anything of ROS 2 is imported: "
+            "the pocket ROS 2 is already in use. Choose the real one before importing anything from ROS 2: "
             "in a notebook, restart the kernel, and run the cell with use_real_ros() first."
         )
     if sourced is None:
@@ -111,13 +111,13 @@ def _choose(wanted: str) -> Backend:
 
 
 def _check_version(rclpy: Path) -> None:
-    """Refuse an rclpy, given by its folder, that was compiled for another Python.
+    """Refuse the rclpy in a folder if it was compiled for a different Python version.
 
     Raises:
-        TutorialError: it was compiled for another Python.
+        TutorialError: the rclpy was compiled for a different version.
     """
     if not any((rclpy / f"_rclpy_pybind11{suffix}").exists() for suffix in EXTENSION_SUFFIXES):
         raise TutorialError(
-            f"the ROS 2 in {rclpy} is for another Python than this one, {folder.PYTHON}. "
-            f"Open a terminal in which it is not sourced, or type export {VARIABLE}=pocket."
+            f"the ROS 2 in {rclpy} is for a different Python version than this one, {folder.PYTHON}. "
+            f"Open a terminal where it is not sourced, or run export {VARIABLE}=pocket."
         )

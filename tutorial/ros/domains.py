@@ -1,4 +1,4 @@
-"""A ROS domain of one's own, so that runs side by side don't hear each other."""
+"""Reserve a ROS domain, so that programs running side by side don't receive each other's messages."""
 
 import random
 import socket
@@ -9,21 +9,22 @@ from contextlib import contextmanager
 from tutorial.errors import TutorialError
 
 DOMAINS = [*range(1, 102), *(range(215, 233) if sys.platform == "linux" else ())]
-"""Those whose ports the system gives to no other program (ROS 2's documentation, "The ROS_DOMAIN_ID")."""
+"""Domain IDs whose ports the system gives to no other program (ROS 2's documentation, "The ROS_DOMAIN_ID")."""
 
 
 @contextmanager
 def reserved_domain(avoid: str | None = None) -> Iterator[int]:
-    """Hold a ROS_DOMAIN_ID that nobody else on this machine holds, whichever user it is.
+    """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved.
 
-    DDS has the domain's first port for UDP. The one for TCP is held here; nobody listens on it. It is free again at the
-    latest when the process ends. Two containers with a network each may hold the same: they don't hear each other.
+    DDS uses the domain's first port for UDP. This function binds the same TCP port without listening; it is free
+    again when the process ends, if not before. Containers with separate networks can reserve the same ID without
+    conflict.
 
     Args:
-        avoid: a ROS_DOMAIN_ID that is in use without being held, if there is one.
+        avoid: a ROS_DOMAIN_ID that is in use but not reserved, if any.
 
     Raises:
-        TutorialError: all of them are taken; the text says the mend.
+        TutorialError: all IDs are taken; the message says what to do.
     """
     for number in random.sample(DOMAINS, len(DOMAINS)):
         if str(number) == (avoid or "").strip():

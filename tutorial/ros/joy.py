@@ -1,4 +1,4 @@
-"""What a joystick publishes: `sensor_msgs/Joy`, as the ROS 2 joy package's ``game_controller_node`` does."""
+"""Make the messages of a joystick: `sensor_msgs/Joy`, like the ROS 2 joy package's ``game_controller_node``."""
 
 from collections.abc import Sequence
 
@@ -10,12 +10,12 @@ NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def joy_message(node: Node, axes: Sequence[float], buttons: Sequence[int]) -> Joy:
-    """Make a message, with the time of now.
+    """Make a joystick message stamped with the current time.
 
     Args:
-        node: whose clock tells the time.
-        axes: of the joystick, -1 to 1.
-        buttons: of the joystick, 0 or 1.
+        node: the node whose clock gives the time.
+        axes: positions of the joystick's axes, -1 to 1.
+        buttons: states of the joystick's buttons, 0 or 1.
     """
     message = Joy(axes=list(axes), buttons=list(buttons))
     message.header.stamp = node.get_clock().now().to_msg()

@@ -1,4 +1,4 @@
-"""The loopback interface, through which the programs on one machine reach each other."""
+"""Check the loopback interface, which connects the programs on one machine."""
 
 import errno
 import socket
@@ -22,7 +22,7 @@ def loopback_is_up() -> bool:
 
 
 def require_loopback() -> None:
-    """Refuse to go on without a loopback interface: Cyclone DDS fails then, and Fast DDS silently finds nobody.
+    """Raise an error if the loopback interface is down: Cyclone DDS would fail, and Fast DDS silently find nobody.
 
     Raises:
         TutorialError: the interface is down.

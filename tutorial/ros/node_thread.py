@@ -1,4 +1,4 @@
-"""A node on a thread of its own, and what it counts about its topics."""
+"""Run a node on its own thread, and count the messages on its topics."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from tutorial.ros.loopback import require_loopback
 from tutorial.trace import HandoffTrace
 
 LATENCIES_KEPT = 10_000
-LOOK = 0.05  # [s] between two looks whether the thread is to end
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about failures in the same words
-GONE_FOR_GOOD = 1000  # spins in a row, some 0.1 s of them, that fail because of what is destroyed
+LOOK = 0.05  # [s] between two checks whether the thread should end
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about the same failure
+GONE_FOR_GOOD = 1000  # consecutive spins, about 0.1 s, that failed on a destroyed entity before that is reported
 
 AnyNode = TypeVar("AnyNode", bound=Node)
 
@@ -36,7 +36,7 @@ _log = logging.getLogger(__name__)
 
 
 Call = Callable[[Any, dict[str, int]], object]
-"""Takes a message and what rclpy knows about it, such as ``"source_timestamp"`` [ns]."""
+"""Function that takes a message and what rclpy knows about it, such as ``"source_timestamp"`` [ns]."""
 
 
 class TopicMeter:
@@ -44,15 +44,15 @@ class TopicMeter:
 
     Args:
         message_type: the class of the messages.
-        topic: its full name.
+        topic: the topic's full name.
         direction: ``"published"`` or ``"received"``.
-        raw: whether they are received as bytes, to be passed on or kept.
+        raw: whether messages are received as bytes, to be forwarded or stored.
 
     Attributes:
         topic, direction, raw: as given.
         type_name: the topic's type, such as ``sensor_msgs/msg/Joy``.
-        count: how many messages so far.
-        last: the newest of them.
+        count: number of messages so far.
+        last: the newest message.
     """
 
     def __init__(self, message_type: type, topic: str, direction: str, raw: bool = False) -> None:
@@ -68,7 +68,7 @@ class TopicMeter:
 
         Args:
             message: the message.
-            latency_ns: from its publication to its callback [ns], where that is known.
+            latency_ns: time from its publication to its callback [ns]; None if unknown.
         """
         self._last_at = time.monotonic()
         if self.count == 0:
@@ -80,23 +80,23 @@ class TopicMeter:
 
     @property
     def brings_joint_states(self) -> bool:
-        """Whether these are joint states that the program receives to show them."""
+        """Whether these are joint states that the program receives to display."""
         return self.direction == "received" and not self.raw and self.type_name == "sensor_msgs/msg/JointState"
 
     @property
     def idle(self) -> float:
-        """How long ago the last message was [s]; infinite before the first."""
+        """Time since the last message [s]; infinite before the first."""
         return time.monotonic() - self._last_at if self.count else math.inf
 
     @property
     def rate(self) -> float:
-        """Messages per second between the first and the last one [Hz]; 0 before there are two."""
+        """Messages per second between the first and the last message [Hz]; 0 before the second."""
         span = self._last_at - self._first_at
         return (self.count - 1) / span if self.count > 1 and span > 0 else 0.0
 
     def latency_ms(self) -> dict[str, float | None]:
-        """Return median and 99th percentile of the time from publication to callback [ms]; None where unknown."""
-        milliseconds = [ns / 1e6 for ns in self._latencies_ns.copy()]  # a copy, for messages may go on arriving
+        """Return the median and 99th percentile of the time from publication to callback [ms]; None if unknown."""
+        milliseconds = [ns / 1e6 for ns in self._latencies_ns.copy()]  # a copy, because messages can still arrive
         if len(milliseconds) < 2:
             return {"median": None, "p99": None}
         p99 = statistics.quantiles(milliseconds, n=100, method="inclusive")[98]
@@ -104,12 +104,12 @@ class TopicMeter:
 
 
 class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
-    """A node that counts what goes over its topics. In everything that its program sees it is rclpy's.
+    """A node that counts the messages on its topics, and otherwise behaves like rclpy's node.
 
-    A callback that is a coroutine function is not counted: rclpy awaits it.
+    The messages of a callback that is a coroutine function are not counted: rclpy awaits it.
 
     Attributes:
-        meters: one for each publisher and subscription, in the order in which they were made.
+        meters: one for each publisher and subscription, in order of creation.
     """
 
     def __init__(self, *args: Any, trace: HandoffTrace | None = None, **kwargs: Any) -> None:
@@ -119,7 +119,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         self.meters.clear()  # rclpy's own topics, such as /parameter_events
 
     def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
-        """Create a publisher, as rclpy does, whose messages are counted."""
+        """Create a publisher, as rclpy does, and count its messages."""
         publisher: Any = super().create_publisher(msg_type, topic, *args, **kwargs)
         meter, publish = TopicMeter(msg_type, topic, "published"), publisher.publish
 
@@ -133,7 +133,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
     def create_subscription(
         self, msg_type: type, topic: str, callback: Callable[..., Any], *args: Any, **kwargs: Any
     ) -> Any:
-        """Create a subscription, as rclpy does, whose messages are counted."""
+        """Create a subscription, as rclpy does, and count its messages."""
         meter = TopicMeter(msg_type, topic, "received", kwargs.get("raw", False))
         call = _called_by_rclpy(callback)
         heard = callback if call is None else partial(self._received, meter, call)
@@ -145,17 +145,17 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         return endpoint
 
     def _received(self, meter: TopicMeter, call: Call, message: Any, info: dict[str, int]) -> None:
-        """Count a message, call back with it, and write down how long that took if there is a trace."""
+        """Count a message, call the callback, and record how long that took if there is a trace."""
         meter.add(message, time.time_ns() - info["source_timestamp"])
         with self._trace.receiving(meter.topic) if self._trace is not None else nullcontext():
             call(message, info)
 
 
 def _called_by_rclpy(callback: Callable[..., Any]) -> Call | None:
-    """Return what calls a callback as rclpy does: with one argument if it can do with that, else with two.
+    """Return a function that calls a callback as rclpy does: with one argument if possible, otherwise with two.
 
     Returns:
-        None where rclpy itself has to see it: a coroutine function, or what it refuses.
+        None for a callback that rclpy has to handle itself: a coroutine function, or one that it refuses.
     """
     if not inspect.iscoroutinefunction(callback):
         with suppress(TypeError, ValueError):
@@ -168,19 +168,19 @@ def _called_by_rclpy(callback: Callable[..., Any]) -> Call | None:
 
 
 class SpinThread(Generic[AnyNode]):
-    """A node whose callbacks run on a thread of its own, with a context and an executor of its own.
+    """A node whose callbacks run on its own thread, with its own context and executor.
 
     Args:
         node_class: the node's class.
         name: the node's name, unless it is remapped.
-        args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
+        args: command line arguments; ROS 2 uses those after ``--ros-args``.
 
     Attributes:
         node: the node.
-        error: what a callback raised last, SystemExit included; None when none did.
-        patience: how long a callback may take to return when its node is closed [s]; None for as long as it likes.
-        full_name: the node's.
-        alive: all of this process, whatever their node's class, that are not closed.
+        error: the last exception that a callback raised, including SystemExit; None if there was none.
+        patience: how long to wait for a running callback when the node is closed [s]; None to wait forever.
+        full_name: the node's full name.
+        alive: all instances in this process that are not closed, whatever their node's class.
 
     Raises:
         TutorialError: the loopback interface is down.
@@ -196,7 +196,7 @@ class SpinThread(Generic[AnyNode]):
         rclpy.init(args=list(args or ()), context=self._context)
         try:
             self.node = node_class(name, context=self._context)
-            self._name = self.node.get_name()  # a program may destroy its node
+            self._name = self.node.get_name()  # the program may destroy its node later
             self.full_name = self.node.get_fully_qualified_name()
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self.node)
@@ -204,7 +204,7 @@ class SpinThread(Generic[AnyNode]):
             self._context.try_shutdown()
             raise
         self._stopping = threading.Event()
-        self._failure: list[str] = []  # that was logged last, in words
+        self._failure: list[str] = []  # text of the last logged failure
         self._failed_at = 0.0
         self._unsaid = 0
         self.alive.add(self)
@@ -218,9 +218,10 @@ class SpinThread(Generic[AnyNode]):
         self.close()
 
     def close(self) -> None:
-        """End the thread, then the executor, the node and the context, in this order. Idempotent.
+        """Stop the thread, then shut down the executor, destroy the node and shut down the context. Idempotent.
 
-        A callback that does not return is not waited for: the node leaves when it does, at the latest with the process.
+        If a callback does not return in time, don't wait for it: the node is destroyed when it returns, or disappears
+        when the process ends.
         """
         if self not in self.alive:
             return
@@ -240,10 +241,10 @@ class SpinThread(Generic[AnyNode]):
         self._context.try_shutdown()
 
     def failed(self, error: BaseException) -> None:
-        """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread.
+        """Store and log an exception that a callback raised; other callbacks go on. Called on the node's thread.
 
-        What fails again and again in the same words, because a message comes a thousand times a second that no callback
-        can take, is logged now and then, with how often it was not.
+        A repeated failure is logged only now and then, with a count: messages that no callback can handle may arrive
+        a thousand times per second.
         """
         self.error = error
         failure, now = traceback.format_exception_only(error), time.monotonic()
@@ -255,37 +256,38 @@ class SpinThread(Generic[AnyNode]):
         _log.error("a callback of the node %r failed; the others go on%s", self._name, more, exc_info=error)
 
     def _spin(self) -> None:
-        gone = 0  # spins in a row that failed because of what is destroyed
+        gone = 0  # consecutive spins that failed on a destroyed entity
         while self._context.ok() and not self._stopping.is_set():
             try:
                 self._executor.spin_once(timeout_sec=LOOK)
                 gone = 0
-            except BaseException as error:  # noqa: BLE001 - a callback may raise anything, and SystemExit is common
+            except BaseException as error:  # noqa: BLE001 - a callback can raise anything, and SystemExit is common
                 gone = gone + 1 if _met_what_is_destroyed(error) else 0
                 if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:
-    """Whether a spin failed before any callback, because rclpy was to wait for what is destroyed.
+    """Return whether a spin failed before any callback because rclpy tried to wait for a destroyed entity.
 
-    Once is nothing: another thread has called ``node.destroy_publisher`` between rclpy's look at what the node has and
-    the wait for it. Again and again means that something was destroyed behind the node's back, by its own ``destroy``.
+    A single failure is harmless: another thread called ``node.destroy_publisher`` after rclpy had listed the node's
+    entities and before it waited for them. Repeated failures mean that an entity's own ``destroy`` was called, so that
+    the node still lists it.
     """
     frames = traceback.walk_tb(error.__traceback__)
     return isinstance(error, InvalidHandle) and any(f.f_code.co_name == "add_to_wait_set" for f, _ in frames)
 
 
 class NodeThread(SpinThread[MeteredNode]):
-    """A node that counts its messages, on a thread of its own; the arguments are those of both."""
+    """A `MeteredNode` on its own thread; takes the arguments of both classes."""
 
     def __init__(self, name: str, args: Sequence[str] | None = None, trace: HandoffTrace | None = None) -> None:
         super().__init__(partial(MeteredNode, trace=trace), name, args)
 
     def namesakes(self) -> int:
-        """Return how many nodes in the domain have this node's full name, this one included, as far as it is told."""
+        """Return how many known nodes in the domain have this node's full name, including this one."""
         mine = (self.node.get_name(), self.node.get_namespace())
         try:
             return self.node.get_node_names_and_namespaces().count(mine)
-        except (RuntimeError, UnicodeDecodeError):  # a real one tells nothing while another node's name is empty
+        except (RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while one has an empty name
             return 1

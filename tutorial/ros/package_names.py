@@ -1,4 +1,4 @@
-"""Which names a ROS 2 package can have."""
+"""Check names for new ROS 2 packages."""
 
 import re
 from importlib.util import find_spec
@@ -7,17 +7,17 @@ from keyword import iskeyword
 from tutorial.errors import TutorialError
 
 VALID = re.compile(r"[a-z](_?[a-z0-9])+")
-"""What ROS 2 accepts as a package's name: REP 144."""
+"""Package names that ROS 2 accepts: REP 144."""
 
 
 def check_package_name(name: str) -> None:
-    """Check that a new package can have a name: it follows REP 144, and no Python module has it yet.
+    """Check that a new package can have a name: it follows REP 144, and no Python module has it.
 
     Raises:
-        TutorialError: it cannot have this name; the text suggests one.
+        TutorialError: the package cannot have this name; the message suggests one.
     """
     if not VALID.fullmatch(name):
-        rule = "Use lowercase letters, digits and single _, a letter first, and two characters at least."
+        rule = "Use at least two characters: lowercase letters, digits and single _, starting with a letter."
         raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
     if iskeyword(name) or find_spec(name) is not None:
         advice = f"Choose another name, such as {f'my_{name}'!r}."
@@ -25,7 +25,7 @@ def check_package_name(name: str) -> None:
 
 
 def _nearest(name: str) -> str:
-    """Suggest a valid package name; empty where little of the given one would be left."""
+    """Suggest a valid package name; return ``""`` if too little of the given name would be left."""
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)  # between the words of CamelCase
     near = re.sub(r"[^a-z0-9]+", "_", words.lower()).strip("_0123456789")
     return f" Did you mean {near!r}?" if VALID.fullmatch(near) else ""
