@@ -126,8 +126,8 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be completed: {self.error.strerror}. Its content can be read, "
-                f"but {self.lost:,} messages and those of the second before are lost. Free some space, or record to a "
-                "different disk."
+                f"but {self.lost:,} messages and those of the preceding second are lost. Free some space, or record to "
+                "a different disk."
             ) from self.error
 
     def _settle(self) -> None:

@@ -50,7 +50,7 @@ def init(
         args: the command line; None uses ``sys.argv``.
         context: the context to start; None uses the default one.
         domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0.
-        signal_handler_options: signals that shut ROS 2 down; None means all for the default context only.
+        signal_handler_options: signals that shut ROS 2 down; None means all of them if the context is the default one.
 
     Raises:
         RuntimeError: the context has been started before.
