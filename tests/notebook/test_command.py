@@ -32,7 +32,7 @@ async def test_it_prints_and_ends():
     command.close()
     command.close()
     command = python("print('something else')")
-    with pytest.raises(TutorialError, match=r"has ended with status 0\. It said:\nsomething else"):
+    with pytest.raises(TutorialError, match=r"ended with status 0\. It printed:\nsomething else"):
         await command.says("hello")
 
 

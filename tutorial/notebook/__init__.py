@@ -1,7 +1,7 @@
-"""What the notebooks import: programs, nodes, widgets and topic tools, each opened under a name.
+"""The API of the notebooks: programs, nodes, widgets and topic tools, each registered by name.
 
-Opening something under a name closes what was open under it, so any cell can be run twice; `close_all` closes the
-rest. Everything here belongs to the kernel's main thread.
+Opening something closes its predecessor of the same name, so any cell can be run twice. `close_all` closes everything.
+Call these functions on the kernel's main thread.
 """
 
 from ipywidgets import Widget
@@ -55,11 +55,11 @@ prepare_process()
 
 
 def open_program(project: Project | str, node: str = "tank") -> Program:
-    """Run a project within this kernel; a program of the same node name is closed first.
+    """Open a project as a program in this kernel. A program with the same node name is closed first.
 
     Args:
-        project: a project, or the path or the name of one, such as ``"step1"``.
-        node: what the program's node is called.
+        project: a project, its path, or its name, such as ``"step1"``.
+        node: the name of the program's node.
 
     Raises:
         TutorialError: there is no such project, or a controller does not fit its body.
@@ -69,7 +69,7 @@ def open_program(project: Project | str, node: str = "tank") -> Program:
 
 
 def open_node(name: str) -> MeteredNode:
-    """Make a node of its own, whose callbacks run on a thread of its own; one of the same name is closed first.
+    """Make a node whose callbacks run on a separate thread. A node with the same name is closed first.
 
     Args:
         name: the node's name.
@@ -78,10 +78,10 @@ def open_node(name: str) -> MeteredNode:
 
 
 def start_command(line: str) -> Command:
-    """Start a command in a process of its own, as in a second terminal; if it runs already, it is stopped first.
+    """Start a command in a separate process, as in a second terminal. If it is already running, it is stopped first.
 
     Args:
-        line: as one would type it, for instance ``"tank joy"``.
+        line: the command line, for instance ``"tank joy"``.
 
     Raises:
         TutorialError: there is no such command.
@@ -90,7 +90,7 @@ def start_command(line: str) -> Command:
 
 
 def joystick() -> Joystick:
-    """Show a joystick with two sticks, which publishes ``/joy``."""
+    """Show a joystick with two sticks that publishes on ``/joy``."""
     return keep("joystick", Joystick, Joystick.end)
 
 
@@ -98,42 +98,42 @@ def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
     """Show a live plot of joint positions, as rqt_plot does.
 
     Args:
-        topic: of type ``sensor_msgs/msg/JointState``.
+        topic: a topic of type ``sensor_msgs/msg/JointState``.
     """
     return keep(f"plot of {topic}", lambda: JointPlot(topic), JointPlot.end)
 
 
 def chaos_panel() -> ChaosPanel:
-    """Show a slider for each fault in a stream of joint states, which it publishes; ``tank chaos`` at a terminal."""
+    """Publish joint states, and show a slider for each kind of fault in them, as ``tank chaos`` does at a terminal."""
     return keep("chaos panel", ChaosPanel, ChaosPanel.end)
 
 
 def image_view(topic: str = "/Tank/camera/image") -> ImageView:
-    """Show the pictures of a topic, as rqt_image_view does.
+    """Show the images on a topic, as rqt_image_view does.
 
     Args:
-        topic: of type ``sensor_msgs/msg/Image``.
+        topic: a topic of type ``sensor_msgs/msg/Image``.
     """
     return keep(f"pictures of {topic}", lambda: ImageView(topic), ImageView.end)
 
 
 def node_graph() -> NodeGraph:
-    """Show the nodes and the topics between them, with their rates, as rqt_graph does."""
+    """Show the nodes, the topics between them and the topics' rates, as rqt_graph does."""
     return keep("node graph", NodeGraph, NodeGraph.end)
 
 
 def side_by_side(*widgets: Widget) -> SideBySide:
-    """Show widgets in a row; on a narrow page, one below the other.
+    """Show widgets in a row, or in a column on a narrow page.
 
-    Views share the room that the others leave.
+    3D views share the width that the other widgets leave free.
     """
     return SideBySide(*widgets)
 
 
 def progress(step: int | None = None) -> Overview:
-    """Show which exercises are solved; that is remembered beside the notebook, in ``.tank_progress.json``.
+    """Show which exercises are solved, as recorded in ``.tank_progress.json`` beside the notebook.
 
     Args:
-        step: the number of the only step to show; None for all.
+        step: show only the step with this number; None for all steps.
     """
     return Overview(exercise_names(step))

@@ -10,17 +10,18 @@ from tutorial.ros.node_thread import NodeThread
 
 
 async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float = 0.0) -> None:
-    """Publish a bag's messages again, at the times at which they were received; to interrupt the kernel ends it.
+    """Publish a bag's messages at the intervals at which they were received. Interrupt the kernel to stop early.
 
-    The kernel stays free meanwhile. The node that publishes is called as that of ``ros2 bag play``; it goes at the end.
+    Meanwhile the kernel stays responsive. The publishing node has the same name as that of ``ros2 bag play``, and is
+    destroyed at the end.
 
     Args:
-        bag: the bag, or where it is.
-        rate: how fast, 2 for twice as fast.
-        start_offset: how much to leave out at the beginning [s].
+        bag: the bag, or its path.
+        rate: the speed; 2 is twice as fast as recorded.
+        start_offset: the time to skip at the beginning [s].
 
     Raises:
-        TutorialError: there is no such bag, nothing to play, or a number makes no sense.
+        TutorialError: there is no such bag, it has nothing to play, or a number is invalid.
     """
     opened = bag if isinstance(bag, Bag) else Bag(bag)
     thread = keep("bag player", lambda: NodeThread("rosbag2_player"), NodeThread.close)
@@ -32,6 +33,6 @@ async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float
             await asyncio.shield(playing)
         finally:
             stop.set()
-            await playing  # it has its publishers to take back before the node may go
+            await playing  # the player destroys its publishers, which must precede the node's end
     finally:
         thread.close()

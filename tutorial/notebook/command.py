@@ -1,4 +1,4 @@
-"""A command in a process of its own, started from a cell: what a second terminal would be."""
+"""Commands that a cell starts in a separate process, in place of a second terminal."""
 
 import os
 import shlex
@@ -14,15 +14,15 @@ from tutorial.system import parent_watch
 from tutorial.system.paths import HOME, with_own_commands
 
 PATIENCE = 5.0  # [s] from asking a command to stop to killing it
-LONGEST = 120.0  # [s] that a command may take to end by itself
+LONGEST = 120.0  # [s] to wait for a command that ends by itself
 LINES_KEPT = 1000
 
 
 class Command:
-    """A command that runs beside the kernel, in the tutorial's folder, and ends when the kernel does, even killed.
+    """A command that runs beside the kernel, in the tutorial's folder. It ends when the kernel ends or is killed.
 
     Args:
-        line: as one would type it at a terminal, for instance ``"tank run step2 --headless"``.
+        line: the command line, for instance ``"tank run step2 --headless"``.
 
     Raises:
         TutorialError: there is no such command.
@@ -40,39 +40,39 @@ class Command:
 
     @property
     def output(self) -> str:
-        """What it has printed so far."""
+        """The text that the command has printed so far."""
         return "".join(tuple(self._kept))
 
     @property
     def status(self) -> int | None:
-        """Its exit status; None while it runs."""
+        """The exit status; None while the command runs."""
         return self._process.returncode
 
     async def says(self, text: str) -> None:
-        """Wait until it has printed a text.
+        """Wait until the command has printed a text.
 
         Raises:
-            TutorialError: it has ended without, or takes too long; the error holds what it did print.
+            TutorialError: the command ended without printing it, or took too long.
         """
-        await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to say {text!r}")
+        await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to print {text!r}")
         if text not in self.output:
-            raise TutorialError(f"{self._line!r} has ended with status {self.status}. It said:\n{self.output}")
+            raise TutorialError(f"{self._line!r} ended with status {self.status}. It printed:\n{self.output}")
 
     async def ends(self) -> int:
-        """Wait until it has ended by itself; return its exit status."""
+        """Wait until the command ends by itself, and return its exit status."""
         await until(lambda: not self._reader.is_alive(), f"the end of {self._line!r}", LONGEST)
         return self._process.returncode
 
     def close(self) -> None:
-        """Ask it to stop, as Ctrl-C does, and kill it if it doesn't. Idempotent."""
+        """Stop the command as Ctrl-C does, and kill it if it doesn't stop in time. Idempotent."""
         for number in (signal.SIGINT, signal.SIGKILL):
             if self._reader.is_alive():
                 parent_watch.signal_group(self._process.pid, number)
                 self._reader.join(PATIENCE)
 
     def _read(self) -> None:
-        """Keep what it prints, until it has ended."""
-        with self._process:  # to leave it closes its streams, and waits for it
+        """Keep the command's output until the command ends."""
+        with self._process:  # leaving the block closes the streams, and waits for the process
             self._kept.extend(self._process.stdout or ())
 
 

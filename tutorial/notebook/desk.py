@@ -1,4 +1,4 @@
-"""What is open in this kernel, by name, and what the library has said meanwhile."""
+"""The registry of what is open in this kernel, and the library's newest log lines."""
 
 import asyncio
 import logging
@@ -9,16 +9,16 @@ from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError, printable_lines
 
-PATIENCE = 30.0  # [s] that `until` waits: a classroom's server may be slow
-LOOK_EVERY = 0.01  # [s] between two looks at a condition
+PATIENCE = 30.0  # [s] that `until` waits: a classroom's server can be slow
+LOOK_EVERY = 0.01  # [s] between two checks of a condition
 LINES_KEPT = 100
 
 
 class LogLines(logging.Handler):
-    """Keeps what is logged. A line printed by another thread would appear below whichever cell was run last.
+    """Keeps log lines. If other threads printed them, they would appear below whichever cell was run last.
 
     Attributes:
-        lines: the newest, each with its time, of `time.monotonic` [s]. Any thread may add one at any moment.
+        lines: the newest lines, each with its time from `time.monotonic` [s]. Any thread can add lines at any time.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class LogLines(logging.Handler):
         self.lines: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a line. Any thread."""
+        """Keep a log record as a line. Any thread."""
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
@@ -36,19 +36,19 @@ class LogLines(logging.Handler):
 T = TypeVar("T")
 
 logged = LogLines()
-"""The newest lines that the library has logged in this process."""
+"""The newest log lines of the library in this process."""
 
 _log = logging.getLogger(__name__)
 _open: dict[str, tuple[Any, Callable[[], object]]] = {}
 
 
 def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Make something and keep it under a name, after closing what was kept under it.
+    """Make an object and register it under a name, after closing the object registered before.
 
     Args:
-        name: what it is called, for instance ``"program simulation"``.
-        make: makes it.
-        close: closes it.
+        name: the name, for instance ``"program simulation"``.
+        make: makes the object.
+        close: closes the object.
     """
     _close(name)
     made = make()
@@ -57,29 +57,29 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
 
 
 def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """As `keep`, but what is kept already stays and is returned."""
+    """Return the object registered under a name; if there is none, make one like `keep`."""
     return _open[name][0] if name in _open else keep(name, make, close)
 
 
 def close_all() -> None:
-    """Close everything that is open in this kernel, the newest first. What was shown last stays on the page."""
+    """Close everything that is open in this kernel, the newest first. Widgets keep showing their last content."""
     for name in reversed(tuple(_open)):
         try:
             _close(name)
-        except Exception:  # noqa: BLE001 - whatever it is, the others still have to be closed
+        except Exception:  # noqa: BLE001 - the remaining ones still have to be closed
             _log.exception("%s could not be closed", name)
 
 
 async def until(condition: Callable[[], object], what: str = "", patience: float = PATIENCE) -> None:
-    """Wait until something is so; the kernel stays free meanwhile.
+    """Wait until a condition holds. Meanwhile the kernel stays responsive.
 
     Args:
-        condition: called again and again, until what it returns counts as true.
-        what: what is waited for, as the error should say it.
-        patience: how long at most [s].
+        condition: called repeatedly until it returns a true value.
+        what: a description of the condition, for the error.
+        patience: the longest time to wait [s].
 
     Raises:
-        TutorialError: it has not become so.
+        TutorialError: the condition did not hold in time.
     """
     began = time.monotonic()
     while not condition():
@@ -89,17 +89,17 @@ async def until(condition: Callable[[], object], what: str = "", patience: float
 
 
 def _in_vain(began: float, patience: float, what: str) -> str:
-    """Say what was waited for, and the newest error that was logged meanwhile: it may be the cause."""
-    said = f"waited {patience:g} s in vain{f' for {what}' if what else ''}."
+    """Describe the timeout, with the newest error logged during the wait: it may be the cause."""
+    said = f"timed out after {patience:g} s{f' waiting for {what}' if what else ''}."
     errors = [line for time, line in logged.lines.copy() if time >= began and line.startswith("[ERROR]")]
     hint = f"Meanwhile: {errors[-1]}" if errors else "Run the cells above, in order, then this one."
     return f"{said} {hint}"
 
 
 def log() -> None:
-    """Print what the library has logged since this was last called. It comes from any thread, so no cell shows it."""
+    """Print the library's log lines since the last call. They come from any thread, so no cell shows them."""
     for _ in range(len(logged.lines)):
-        print(logged.lines.popleft()[1])  # noqa: T201 - what it is for
+        print(logged.lines.popleft()[1])  # noqa: T201 - this function prints
 
 
 def _close(name: str) -> None:

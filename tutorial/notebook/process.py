@@ -1,4 +1,4 @@
-"""What importing `tutorial.notebook` does to the process, which is the kernel's: all of it is here."""
+"""All side effects that importing `tutorial.notebook` has on the kernel's process."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ _until_exit = ExitStack()
 
 
 def prepare_process() -> None:
-    """Make the process a notebook's. Importing `tutorial.notebook` calls it, once; it holds until the process ends.
+    """Set up the process for a notebook. Importing `tutorial.notebook` calls this once.
 
-    - Unless ``ROS_DOMAIN_ID`` names one, the process has a ROS domain of its own, for two notebooks must not meet. What
-      it starts inherits it.
-    - Unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` says otherwise, it is heard on this machine only: with a real ROS 2, too,
-      whose default is the whole network. In a room full of learners two would sooner or later have one domain.
-    - What the library logs is kept for `tutorial.notebook.log`, and goes nowhere else.
-    - At the end everything that is open is closed.
-    - In IPython, a coroutine that a cell would display says that it lacks its ``await``.
-    - A kernel handles a page's messages on the thread that the page asks for, and on the main thread between cells.
+    - Reserve a ROS domain for this process and its children, unless ``ROS_DOMAIN_ID`` is set: two notebooks must not
+      share one.
+    - Restrict discovery to this machine, unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is set. The default of a real ROS 2
+      is the whole network, where two learners in a classroom would sooner or later choose the same domain.
+    - Keep the library's log lines for `tutorial.notebook.log`, and send them nowhere else.
+    - Close everything that is open when the process ends.
+    - Have IPython point out a missing ``await`` where a cell would display a coroutine.
+    - Have the kernel handle a page's messages on the thread that the page asks for, and on the main thread between
+      cells.
     """
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))
@@ -50,21 +51,21 @@ def prepare_process() -> None:
 
 def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool) -> None:
     printer.text(f"{coroutine.__qualname__} has not run yet: this takes a while, so write await before it.")
-    coroutine.close()  # it cannot be awaited by its name any more; this keeps Python from complaining of it later
+    coroutine.close()  # nothing can await it now; without this Python would warn about it later
 
 
 def _handle_comms_between_cells(lock: Any) -> None:
-    """Have a kernel handle comm messages as ipykernel 7.3 does: on the main thread only after the running cell.
+    """Make a kernel handle comm messages as ipykernel 7.3 does: on the main thread, only after the running cell.
 
     ipykernel 7.4 handles them while an async cell runs, so that the cell can await a widget's reply
     (https://github.com/ipython/ipykernel/issues/646). If the cell ends in the meantime, the next cell's output and its
-    "idle" are sent in the ended cell's name, and the page waits for them forever. ipykernel 7.4 also routes a page's
+    "idle" name the ended cell as their parent, and the page waits for them forever. ipykernel 7.4 also routes a page's
     messages to the thread that wrote to the page last, usually the main thread, whichever thread the page asks for.
     ipykernel has no setting for either, so this replaces private attributes. A test checks that they still exist.
 
     Args:
-        lock: the kernel's lock, held while a cell runs. If it says that it is locked, the kernel handles a comm message
-            at once.
+        lock: the kernel's lock, held while a cell runs. While it reports that it is locked, the kernel handles comm
+            messages at once.
     """
     BaseComm._reply_subshell_for = None  # type: ignore[assignment, method-assign]
     lock.locked = lambda: False

@@ -1,4 +1,4 @@
-"""A project's program within the kernel, and its 3D view in a cell."""
+"""A project's program in the kernel, with its 3D view in a cell."""
 
 import asyncio
 import math
@@ -26,28 +26,28 @@ from tutorial.view.scene import Scene
 
 T = TypeVar("T")
 
-LONG_REST = 0.05  # [s] between two batches of steps while the page is gone: longer ones take less of the processor
-REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests
-RESTS = "paused at %.1f s, after %d min without a page: start() goes on"
-LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
+LONG_REST = 0.05  # [s] between two batches of steps while the page is gone, to save processor time
+REST_AFTER = 300.0  # [s] without a page, after which a running simulation is paused
+RESTS = "paused at %.1f s, after %d min without a page: start() resumes it"
+LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, the user thinks
 
 
-class EndedEarly(TutorialError):  # noqa: N818 - it is no error, but the end of a cell
-    """A run was interrupted. The program goes on, and can be run again."""
+class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an error
+    """Raised when a run is interrupted. The program stays open, and can be run again."""
 
 
 class Program:
-    """One program: what ``tank run`` is at a terminal, within this kernel. It belongs to the kernel's main thread.
+    """A project that runs in this kernel, as ``tank run`` runs it at a terminal. Use it on the kernel's main thread.
 
-    Its displayed bodies follow what happens, between the cells and while one awaits something.
+    The view follows the bodies between cells, and while a cell awaits something.
 
     Args:
-        project: what to run.
-        node: what its ROS 2 node is called.
+        project: the project to run.
+        node: the name of its ROS 2 node.
 
     Attributes:
         host: the node, the bodies and the controllers.
-        view: the 3D view. As the last line of a cell it is shown; as often as wished.
+        view: the 3D view. A cell whose last line it is shows it; several cells can.
         trace: when each message was received, posted and applied, and on which thread.
     """
 
@@ -79,39 +79,39 @@ class Program:
 
     @property
     def received(self) -> int:
-        """How many messages' callbacks have returned."""
+        """The number of messages whose callbacks have returned."""
         return self.trace.handled
 
     @property
     def waiting(self) -> int:
-        """How many posted calls wait for the main thread."""
+        """The number of posted calls that wait for the main thread."""
         return self.host.waiting
 
     @property
     def error(self) -> BaseException | None:
-        """What a callback or the simulation raised last since the last start; None when nothing did."""
+        """The last exception of a callback or the simulation since the last start; None without one."""
         return self.host.error
 
     def body(self, name: str = "Tank") -> Body:
         """Find a displayed body.
 
         Raises:
-            TutorialError: there is none of this name.
+            TutorialError: the program has no such body.
         """
         return _find(name, self.host.bodies, "body")
 
     def controller(self, name: str) -> SimpleController:
-        """Find a controller by the name of its class.
+        """Find a controller by its class name.
 
         Raises:
-            TutorialError: there is none of this name.
+            TutorialError: the program has no such controller.
         """
         return _find(name, self.host.controllers, "controller")
 
     def start(self) -> None:
-        """Let simulated time pass, in real time, until `stop`. When it does already, nothing happens.
+        """Run the simulation in real time until `stop` is called. Idempotent.
 
-        If the notebook's page is gone for some minutes, time stands still, and the view says so.
+        After some minutes without the notebook's page, the simulation is paused, and the view says so.
 
         Raises:
             TutorialError: the program only displays, or was closed.
@@ -123,7 +123,7 @@ class Program:
         self._started_at = time.monotonic()
 
     def stop(self) -> None:
-        """Let simulated time stand still. Idempotent.
+        """Stop the simulation that `start` has started. Idempotent.
 
         Raises:
             TutorialError: the program only displays.
@@ -132,12 +132,12 @@ class Program:
         self.simulation.stop()
 
     def advance(self, seconds: float) -> None:
-        """Let simulated time pass as fast as the machine can; real time is stopped first.
+        """Simulate as fast as the machine can, after stopping a simulation in real time.
 
-        One after the other they are one run: the controllers go on where they were.
+        Successive calls form one run: the controllers keep their state.
 
         Args:
-            seconds: how much [s].
+            seconds: the simulated time to pass [s].
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -150,10 +150,10 @@ class Program:
         self.simulation.advance(seconds)
 
     async def run(self, seconds: float) -> None:
-        """Run for a while, in real time, with a progress bar; to interrupt the kernel stops it.
+        """Run in real time, with a progress bar. Interrupt the kernel to stop early.
 
         Args:
-            seconds: how long [s]; simulated time where the program simulates.
+            seconds: the duration [s], in simulated time if the program simulates.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -181,15 +181,15 @@ class Program:
         bar.value, bar.bar_style = seconds, "success"
 
     def record(self, path: Path | str) -> AbstractContextManager[None]:
-        """Keep what the view shows, while a ``with`` block runs, as a page that plays it again, for instance::
+        """Record what the view shows during a ``with`` block as a page that replays it, for instance::
 
             with tank.record("drive.html"):
                 await tank.run(10)
 
-        The page needs nothing else: it can be sent to a friend. A time in which nothing moves counts a second at most.
+        The page needs no other files: you can send it to a friend. Pauses without movement are cut to a second.
 
         Args:
-            path: of the page.
+            path: where to write the page.
 
         Raises:
             TutorialError: the file cannot be written, or the program was closed.
@@ -199,11 +199,11 @@ class Program:
         return recorded(self._scene, path, *shown, LONGEST_PAUSE)
 
     def close(self) -> None:
-        """End the program: its simulation, its controllers, its node. Its last picture stays. Idempotent."""
+        """End the simulation, the controllers and the node. The view keeps its last picture. Idempotent."""
         self._open = False
         self._next.cancel()
         self.host.close()
-        self._scene.catch_up()  # the last picture, also for a page that comes later
+        self._scene.catch_up()  # the last picture, even for a page opened later
         self._scene.catch_up = lambda: None
         self.view.end()
 
@@ -212,10 +212,10 @@ class Program:
             raise TutorialError("this program is closed. Run the cell with open_program again.")
 
     def _draw(self) -> None:
-        """Draw what happens outside of `run`, again and again.
+        """Refresh the view outside `run`, and schedule the next refresh.
 
-        While the page is gone, all takes less; if it is gone for long, a simulation that goes on is stopped. Without
-        any page so far, it goes on.
+        While the page is gone, refresh and simulate in longer intervals, and after `REST_AFTER` stop the simulation. If
+        no page has been opened yet, the simulation goes on.
         """
         is_gone = CellWidget.page_is_gone()
         self._next = asyncio.get_running_loop().call_later(1.0 if is_gone else FRAME, self._draw)

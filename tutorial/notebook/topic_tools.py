@@ -1,4 +1,4 @@
-"""``ros2 topic list``, ``info``, ``echo`` and ``hz`` for a cell: they print what these commands print."""
+"""``ros2 topic list``, ``info``, ``echo`` and ``hz`` for a cell, with the same output."""
 
 from tutorial.notebook.desk import keep_once
 from tutorial.ros.node_thread import MeteredNode, NodeThread
@@ -6,24 +6,24 @@ from tutorial.ros.topics import listening, listing
 from tutorial.system.printing import say, say_all
 
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
-REPORTS = 2  # of `topic_hz`
+REPORTS = 2  # that `topic_hz` prints
 
 
 async def topic_list(show_types: bool = False) -> None:
-    """Print the topics that there are, as ``ros2 topic list`` does.
+    """Print the topics, as ``ros2 topic list`` does.
 
     Args:
-        show_types: with their types, as with ``-t``.
+        show_types: print their types, too, as with ``-t``.
     """
     say(await listing.topic_list(_asker(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
-    """Print who publishes and who subscribes, as ``ros2 topic info`` does.
+    """Print a topic's type and its numbers of publishers and subscriptions, as ``ros2 topic info`` does.
 
     Args:
-        topic: its full name.
-        verbose: with their nodes and their quality of service, as with ``-v``.
+        topic: the full name of the topic.
+        verbose: print their nodes and quality of service, too, as with ``-v``.
 
     Raises:
         TutorialError: there is no such topic.
@@ -32,33 +32,33 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None, no_arr: bool = False) -> None:
-    """Print messages as they come, as ``ros2 topic echo`` does; to interrupt the kernel ends it.
+    """Print messages as they arrive, as ``ros2 topic echo`` does. Interrupt the kernel to stop.
 
     Args:
-        topic: its full name.
+        topic: the full name of the topic.
         once: print one message, as with ``--once``.
         field: print only this field, as with ``--field``, for instance ``"position"``.
-        no_arr: print of each array only what it is, as with ``--no-arr``.
+        no_arr: print only the type and length of each array, as with ``--no-arr``.
 
     Raises:
-        TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
+        TutorialError: there is no such topic or field, or no message arrives for 10 s.
     """
     await say_all(listening.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=PATIENCE))
 
 
 async def topic_hz(topic: str, window: int = 10_000) -> None:
-    """Print at what rate messages come, twice, a second apart, as ``ros2 topic hz`` does.
+    """Print a topic's message rate twice, a second apart, as ``ros2 topic hz`` does.
 
     Args:
-        topic: its full name.
-        window: how many messages the average is taken over.
+        topic: the full name of the topic.
+        window: the number of messages to average over.
 
     Raises:
-        TutorialError: nobody publishes on it for 10 s.
+        TutorialError: no message arrives for 10 s.
     """
     await say_all(listening.topic_hz(_asker(), topic, window=window, timeout=PATIENCE), REPORTS)
 
 
 def _asker() -> MeteredNode:
-    """The node that asks. Its name begins with an underscore, so ``ros2 node list`` doesn't show it."""
+    """Return the node of these tools. Its name begins with an underscore, so ``ros2 node list`` hides it."""
     return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node

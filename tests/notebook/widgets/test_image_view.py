@@ -44,7 +44,7 @@ def requested(node):
 async def test_a_published_image_reaches_the_page(sent):
     widget = image_view(TOPIC)
     await say(widget, "hello")
-    assert sent.pop()[0]["line"] == f"nothing has come on {TOPIC} yet"
+    assert sent.pop()[0]["line"] == f"no message on {TOPIC} yet"
     await say(widget, "seen", frame=0)
     camera = open_node("camera")
     publisher = camera.create_publisher(Image, TOPIC, 1)
@@ -66,7 +66,7 @@ async def test_a_slow_view_skips_images_and_unknown_encodings_are_reported(sent)
     assert shown(sent) == [1]
     await say(widget, "seen", frame=0)
     assert shown(sent) == [1, None]
-    assert sent[1][0]["line"] == "the encoding '16UC1\\\\x1b[2J' is not shown here, only rgb8, bgr8, mono8"
+    assert sent[1][0]["line"] == "the encoding '16UC1\\\\x1b[2J' is not supported, only rgb8, bgr8, mono8"
 
 
 async def test_an_invalid_topic_leaves_no_thread(sent):
@@ -93,7 +93,7 @@ def test_rows_may_be_longer_than_their_pixels():
             {"width": 2**31, "step": 2**32 - 1},
             "2147483648 x 3 pixels of rgb8, in rows of 4294967295 bytes, 36 in all: not shown",
         ),
-        ({"encoding": ""}, "the encoding '' is not shown here, only rgb8, bgr8, mono8"),
+        ({"encoding": ""}, "the encoding '' is not supported, only rgb8, bgr8, mono8"),
     ],
 )
 def test_a_contradictory_image_is_refused(change, text):

@@ -86,7 +86,7 @@ def test_many_joints_with_long_names():
 
 
 def test_nothing_to_draw():
-    for messages, text in ([], f"nothing has come on {TOPIC} yet"), ([joint_state(1.0)], f"no positions on {TOPIC}"):
+    for messages, text in ([], f"no message on {TOPIC} yet"), ([joint_state(1.0)], f"no positions on {TOPIC}"):
         root, alt = plot(*messages)
         assert (texts(root), alt) == ([text], text)
 
@@ -103,7 +103,7 @@ def test_everything_is_drawn_within_the_picture(messages):
 async def test_messages_are_drawn_until_it_is_closed(domain):
     threads = set(threading.enumerate())
     plot = joint_plot(TOPIC)
-    assert plot.alt == f"nothing has come on {TOPIC} yet"
+    assert plot.alt == f"no message on {TOPIC} yet"
     assert repr(plot) == "JointPlot('/Tank/joint_state')"
     ros = open_node("simulation")
     publisher = ros.create_publisher(JointState, TOPIC, 1)

@@ -208,6 +208,6 @@ async def test_an_error_of_the_graph_is_shown(domain, monkeypatch):
 
     monkeypatch.setattr(GraphWatch, "look", fail)
     graph = node_graph()
-    await until(lambda: graph.alt == r"ROS 2 says: Failed to get node names: empty node name\n")
+    await until(lambda: graph.alt == r"ROS 2 reports: Failed to get node names: empty node name\n")
     monkeypatch.undo()
-    await until(lambda: not graph.alt.startswith("ROS 2 says"))
+    await until(lambda: not graph.alt.startswith("ROS 2 reports"))

@@ -74,7 +74,7 @@ def test_unapplied_and_unposted_messages_are_shown():
 
 
 def test_zero_and_missing_durations():
-    assert drawn()[2] == "nothing was received or posted yet"
+    assert drawn()[2] == "no message received or posted yet"
     assert repr(swimlane(SimpleNamespace(trace=HandoffTrace()))) == "Picture('handoffs')"
     moment = Moment(100.0, "MainThread")
     assert drawn(Handoff(posted=moment, applied=moment))[2].endswith("1 applied. They waited 0 ms.")

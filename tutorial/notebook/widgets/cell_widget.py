@@ -1,4 +1,4 @@
-"""What the widgets with a page of their own have in common."""
+"""Base classes of the widgets that have their own JavaScript."""
 
 import asyncio
 import math
@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 def kernel_loop() -> asyncio.AbstractEventLoop:
-    """Return the event loop of the notebook's kernel, which keeps a widget up to date. Main thread.
+    """Return the event loop of the notebook's kernel, which updates the widgets. Main thread.
 
     Raises:
         TutorialError: no event loop runs.
@@ -25,16 +25,16 @@ def kernel_loop() -> asyncio.AbstractEventLoop:
     try:
         return asyncio.get_running_loop()
     except RuntimeError:
-        text = "a widget needs the event loop of the notebook's kernel, and none runs here. Make it in a cell."
+        text = "a widget needs the event loop of the notebook's kernel, but none is running here. Make it in a cell."
         raise TutorialError(text) from None
 
 
 def parse_message(content: object, kind: type[T]) -> T | None:
-    """Read a message of a page; None for one that makes no sense. Any thread.
+    """Parse a message from a page; return None if it is invalid. Any thread.
 
     Args:
-        content: the message, as it arrived.
-        kind: what it should be, a `msgspec.Struct`.
+        content: the message as received.
+        kind: the expected type, a `msgspec.Struct`.
     """
     try:
         return msgspec.convert(content, kind)
@@ -43,11 +43,11 @@ def parse_message(content: object, kind: type[T]) -> T | None:
 
 
 class CellWidget(anywidget.AnyWidget):
-    """A widget that can be ended and closed, both twice, and whose text is the same in every run.
+    """A widget with an `end` and a `close` that are idempotent, and the same ``repr`` in every run.
 
     Attributes:
-        ended: whether it is ended. What it showed last stays on the page, and the page says so.
-        heard_at: when a view or a joystick said something last, of `time.monotonic` [s]; infinite before the first.
+        ended: whether the widget has ended. Its last content stays on the page, marked as the last.
+        heard_at: time of the last message from any view or joystick, from `time.monotonic` [s]; infinite before it.
     """
 
     heard_at: ClassVar[float] = math.inf
@@ -58,16 +58,16 @@ class CellWidget(anywidget.AnyWidget):
 
     @staticmethod
     def page_is_gone() -> bool:
-        """Whether no page was heard for over a minute: one that is hidden speaks once a minute. Any thread."""
+        """Return whether no page has sent anything for over a minute, as even a hidden page does. Any thread."""
         return time.monotonic() - CellWidget.heard_at > 70.0
 
     def end(self) -> None:
-        """End what is behind the widget; what it showed last stays on the page. Idempotent, main thread."""
+        """Stop updating the widget; its last content stays on the page. Idempotent, main thread."""
         self.ended = True
 
     def close(self) -> None:
-        """End it, and take it off every page. Idempotent, main thread."""
-        if self.comm is None:  # it is closed, or could not be made: Python closes that, too
+        """End the widget, and remove it from every page. Idempotent, main thread."""
+        if self.comm is None:  # already closed, or its creation failed: Python closes such an object, too
             return
         self.end()
         layout = self.layout
@@ -78,24 +78,24 @@ class CellWidget(anywidget.AnyWidget):
         """Send a message to every page that shows the widget. Main thread.
 
         Args:
-            kind: what it is; ``type`` in the page's message.
+            kind: the message's ``type``.
             buffers: binary parts.
-            fields: what else it says, as JSON.
+            fields: the other fields, as JSON.
         """
         if self.comm is not None:
             self.send({"type": kind, **fields}, buffers)
 
 
 class NodeWidget(CellWidget):
-    """A widget with a node of its own, whose callbacks run on a thread of their own."""
+    """A widget with its own node, whose callbacks run on a separate thread."""
 
     _ros: NodeThread | None = None
 
     def open_node(self, name: str, set_up: Callable[[MeteredNode], object]) -> None:
-        """Make the node, and what it publishes and subscribes to. If that fails, the widget is closed.
+        """Make the node, its publishers and its subscriptions. If that fails, close the widget.
 
         Args:
-            name: of the node.
+            name: the node's name.
             set_up: makes publishers, subscriptions and timers.
         """
         try:
@@ -106,7 +106,7 @@ class NodeWidget(CellWidget):
             raise
 
     def end(self) -> None:
-        """Take the node away; what was shown last stays. Idempotent, main thread."""
+        """Destroy the node; the widget's last content stays. Idempotent, main thread."""
         if self._ros is not None:
             self._ros.close()
         super().end()

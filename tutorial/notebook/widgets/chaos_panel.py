@@ -1,4 +1,4 @@
-"""Sliders for the faults in a stream of joint states, which a node of its own publishes."""
+"""A panel of sliders for the faults in a stream of joint states, which its own node publishes."""
 
 from typing import Any
 
@@ -10,17 +10,17 @@ from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
 
 WIDTH = "22em"
-LOOK = 0.5  # [s] between two looks at what has been hit
+LOOK = 0.5  # [s] between two updates of the counts
 
 
 class ChaosPanel(VBox):  # type: ignore[misc]
-    """A slider for each fault: which share of the messages it hits. Make it on the main thread, while its loop runs.
+    """Sets the share of messages that each fault hits. Make it on the main thread, while its event loop runs.
 
-    Its node, ``chaos``, publishes from a thread of its own, so it goes on while a cell is busy.
+    Its node, ``chaos``, publishes on a separate thread, even while a cell is busy.
 
     Attributes:
-        sliders: by the name of the fault.
-        ended: whether it has been ended.
+        sliders: the sliders by fault name.
+        ended: whether the panel has ended.
 
     Raises:
         TutorialError: no event loop runs.
@@ -36,7 +36,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             slider.observe(self._on_share, "value")
         self._reset = Button(description="no faults", tooltip="Set all sliders to 0")
         self._reset.on_click(self._on_reset)
-        self._hits = HTML(layout=Layout(width=WIDTH))  # unlike a Label it breaks its line
+        self._hits = HTML(layout=Layout(width=WIDTH))  # unlike a Label, it wraps long lines
         columns = f"repeat(auto-fill, {WIDTH})"
         grid = GridBox([*self.sliders.values()], layout=Layout(grid_template_columns=columns))
         super().__init__([grid, self._reset, self._hits])
@@ -47,11 +47,11 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
     @property
     def made(self) -> dict[str, int]:
-        """How many messages each fault has hit so far."""
+        """The number of messages that each fault has hit so far."""
         return dict(self._stream.chaos.made)
 
     def end(self) -> None:
-        """Publish no more, and end the node; the sliders stay, and do nothing. Idempotent, main thread."""
+        """Stop publishing, destroy the node, and disable the sliders. Idempotent, main thread."""
         if self.ended:
             return
         self.ended = True
@@ -62,7 +62,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         self._hits.value = f"ended. {_words(self.made)}"
 
     def _on_share(self, _change: object) -> None:
-        """Leave the shares for the node's thread, which takes them with the next message. Any thread."""
+        """Set the shares for the node's thread, which reads them with the next message. Any thread."""
         self._stream.chaos.faults = {name: slider.value for name, slider in self.sliders.items() if slider.value}
 
     def _on_reset(self, _button: object) -> None:
@@ -70,7 +70,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             slider.value = 0.0
 
     def _tell(self) -> None:
-        """Say what has been hit, again and again. Main thread."""
+        """Update the counts, and schedule the next update. Main thread."""
         self._hits.value = _words(self.made)
         self._next = self._loop.call_later(LOOK, self._tell)
 

@@ -1,4 +1,4 @@
-"""A plot: two axes with round numbers, curves within them, and the curves' names beside them."""
+"""Plots: two axes with round numbers, the curves, and a legend beside them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,22 +12,22 @@ from tutorial.notebook.widgets import svg
 Point = tuple[float, float]
 
 WIDTH, HEIGHT = 640, 240  # [px]
-LEFT, TOP, RIGHT, BOTTOM = 62, 30, 462, HEIGHT - 38  # [px] of the rectangle that the curves are in
-MARGIN = 0.08  # of the curves' height, above and below
+LEFT, TOP, RIGHT, BOTTOM = 62, 30, 462, HEIGHT - 38  # [px] of the plot area
+MARGIN = 0.08  # above and below the curves, relative to their height
 MOST_CURVES = len(svg.SERIES)
-MOST_PIECES = 100  # of one curve
-POINTS_DRAWN = 1200  # of one curve
+MOST_PIECES = 100  # per curve
+POINTS_DRAWN = 1200  # per curve
 LONGEST_NAME = 18  # characters in the legend
-ROW = 18  # [px] of the legend
+ROW = 18  # [px] height of a line of the legend
 SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 
 class Curve(NamedTuple):
-    """A curve, and what is said of it.
+    """A curve and its description.
 
     Attributes:
-        points: x and y, in the order of their x. The curve is interrupted where y is not finite.
-        value: in words.
+        points: pairs of x and y, sorted by x. The curve is interrupted where y is not finite.
+        value: a summary of its values, in words.
     """
 
     points: Sequence[Point]
@@ -37,14 +37,14 @@ class Curve(NamedTuple):
 def draw_plot(
     curves: Mapping[str, Curve], x_range: Point, labels: tuple[str, str], least: float = 0.0, more: int = 0
 ) -> str:
-    """Draw curves, at most `MOST_CURVES`; each has a finite y.
+    """Draw at most `MOST_CURVES` curves, each with at least one finite y.
 
     Args:
-        curves: by name.
-        x_range: the first and the last x that is shown.
-        labels: of the axes.
-        least: how much of y is shown at the least.
-        more: how many curves there are that are not drawn.
+        curves: the curves by name.
+        x_range: the smallest and the largest x to show.
+        labels: the labels of the x and y axes.
+        least: the smallest range of y to show.
+        more: the number of curves that are left out.
     """
     heights = [y for curve in curves.values() for _, y in curve.points if math.isfinite(y)]
     low, high = min(heights), max(heights)
@@ -59,13 +59,13 @@ def draw_plot(
 
 
 class _Axes(NamedTuple):
-    """What part of the plane is shown."""
+    """The x and y ranges that are shown."""
 
     x_range: Point
     y_range: Point
 
     def draw(self, root: Element, labels: tuple[str, str]) -> None:
-        """Draw lines at round numbers, with the numbers."""
+        """Draw grid lines at round numbers, with labels."""
         step, ticks = nice_ticks(*self.y_range, most=6)
         for tick in ticks:
             _, y = self._place((0.0, tick))
@@ -76,7 +76,7 @@ class _Axes(NamedTuple):
         svg.write(root, LEFT - 6, TOP - 14, labels[1], SMALL, "end")
 
     def draw_curve(self, root: Element, points: Sequence[Point], colour: str) -> None:
-        """Draw a curve's pieces; a lone point as a dot."""
+        """Draw each piece of a curve; a piece of one point becomes a dot."""
         pieces = [[*piece] for is_finite, piece in groupby(points, lambda point: math.isfinite(point[1])) if is_finite]
         for piece in pieces[-MOST_PIECES:]:
             places = [self._place(point) for point in thin(piece, max(2, POINTS_DRAWN // len(pieces)))]
@@ -87,22 +87,22 @@ class _Axes(NamedTuple):
                 svg.draw(root, "polyline", style, points=svg.points_text(places))
 
     def _place(self, point: Point) -> Point:
-        """Where a point lies [px]."""
+        """Return the position of a point [px]."""
         (left, right), (low, high) = self
         x, y = (point[0] - left) / (right - left), (point[1] - low) / (high - low)
         return LEFT + (RIGHT - LEFT) * x, BOTTOM - (BOTTOM - TOP) * y
 
 
 def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: Point, label: str) -> None:
-    """Draw lines at round numbers, with the numbers and what they mean below them.
+    """Draw vertical grid lines at round numbers, with the numbers and the axis label below them.
 
     Args:
         root: the picture.
-        x_range: the first and the last x.
-        most: how many lines at most.
-        across: where the first and the last x are [px].
-        down: where the lines begin and end [px].
-        label: of the axis.
+        x_range: the smallest and the largest x.
+        most: the largest number of lines.
+        across: the horizontal positions of the smallest and the largest x [px].
+        down: the vertical positions of the lines' ends [px].
+        label: the axis label.
     """
     (left, right), (top, bottom) = across, down
     step, ticks = nice_ticks(*x_range, most=most)
@@ -114,7 +114,7 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
 
 
 def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
-    """Name the curves, to the right of them, and each one's value for those who point at it."""
+    """Name the curves, to their right, with their values as tooltips."""
     x = RIGHT + 16
     for i, (name, curve) in enumerate(curves.items()):
         y = TOP + 6 + i * ROW
@@ -126,15 +126,15 @@ def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
 
 
 def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
-    """Choose round numbers between two others: 1, 2 or 5 times a power of ten apart.
+    """Choose ticks at multiples of 1, 2 or 5 times a power of ten.
 
     Args:
-        low: the least.
-        high: the greatest.
-        most: how many at most.
+        low: the lower bound.
+        high: the upper bound.
+        most: the largest number of intervals.
 
     Returns:
-        How far they are apart, and they themselves.
+        The distance between ticks, and the ticks.
     """
     rough = (high - low) / most
     power = 10.0 ** math.floor(math.log10(rough))
@@ -144,7 +144,7 @@ def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
 
 
 def tick_text(value: float, step: float) -> str:
-    """Write a tick's number with the digits that tell it from its neighbours."""
+    """Format a tick's number with enough digits to tell it from its neighbours."""
     digits = max(0, -math.floor(math.log10(step) + 1e-9))
     if digits > 6 or abs(value) >= 1e12:
         return f"{value:.3g}"
@@ -152,11 +152,11 @@ def tick_text(value: float, step: float) -> str:
 
 
 def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
-    """Leave out points that nobody would see: of each stretch, the least and the greatest stay.
+    """Thin out points that would not be visible. Of each stretch, the lowest and the highest point stay.
 
     Args:
-        points: in the order of their x.
-        most: how many may stay.
+        points: the points, sorted by x.
+        most: the number of points to keep, at most.
     """
     if len(points) <= most:
         return points

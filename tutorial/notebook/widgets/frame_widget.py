@@ -1,9 +1,9 @@
-"""A widget that sends frames to the pages that show it, and the one protocol that they keep.
+"""A widget that sends frames to the views on pages, and the protocol between them.
 
-A view on a page says ``hello``, and is sent the ``whole``: all that there is to see. After that every view is sent each
-``frame``, which has a number, and says which one it has ``seen``. A view that is too far behind, because its page is
-slow, asleep or closed, is not sent for any more. When it says that it has seen a frame, it is sent the whole again.
-Once a minute it says that it is still ``here``, also if there is no frame to see.
+A view sends ``hello``, and receives the ``whole`` content. From then on it receives every numbered ``frame``, and
+reports the last one that it has ``seen``. The widget stops sending when a view falls too far behind because its page is
+slow, asleep or closed; once that view reports a frame as seen, it receives the whole content again. A view also sends
+``here`` once a minute, even without frames.
 """
 
 import threading
@@ -17,11 +17,11 @@ from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
 
 Frame = tuple[bytes, dict[str, Any]]
-"""What there is to see, binary, and what else there is to say of it, as JSON."""
+"""The binary content of a frame, and its other fields, as JSON."""
 
 
 class _Words(msgspec.Struct):
-    """What a page says."""
+    """A message from a page."""
 
     type: str
     view: str
@@ -29,15 +29,15 @@ class _Words(msgspec.Struct):
 
 
 class FrameWidget(CellWidget):
-    """Sends frames to every view that keeps up. Make it on the main thread, while its loop runs.
+    """Sends frames to every view that keeps up. Make it on the main thread, while its event loop runs.
 
     Args:
-        title: what it shows, also for its ``repr``.
+        title: the title of the content, also for the ``repr``.
 
     Attributes:
-        AHEAD: how many frames may be on their way to a view.
-        calls: what callbacks of any thread post with.
-        frame: the number of the last frame that was sent.
+        AHEAD: how many frames a view may be behind.
+        calls: the queue that callbacks on any thread post to.
+        frame: the number of the last frame sent.
 
     Raises:
         TutorialError: no event loop runs.
@@ -58,15 +58,15 @@ class FrameWidget(CellWidget):
         return f"{type(self).__name__}({self.title!r})"
 
     def whole(self) -> Frame:
-        """All that there is to see. Main thread."""
+        """Return the whole content. Main thread."""
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> bool:
-        """Send a frame, if there is a view that keeps up; return whether there is. Main thread.
+        """Send a frame if any view keeps up, and return whether one does. Main thread.
 
         Args:
-            content: binary.
-            fields: what else there is to say of it, as JSON.
+            content: the binary content.
+            fields: the other fields, as JSON.
         """
         with self._lock:
             self._seen = {view: seen for view, seen in self._seen.items() if self.frame - seen < self.AHEAD}
@@ -77,7 +77,7 @@ class FrameWidget(CellWidget):
         return True
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
-        """Take what a page says: on whatever thread, so what belongs to the main thread is posted."""
+        """Handle a page's message. It arrives on any thread, so work for the main thread is posted."""
         CellWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):
@@ -89,14 +89,14 @@ class FrameWidget(CellWidget):
                     self._seen.pop(view, None)
 
     def _note(self, view: str, frame: int) -> bool:
-        """Note what a view has seen; False for one that is not sent for, and has missed frames."""
+        """Record the last frame that a view has seen; return False if the view is no longer sent frames."""
         with self._lock:
             if view in self._seen:
                 self._seen[view] = frame
             return view in self._seen
 
     def _welcome(self, view: str) -> None:
-        """Send one view the whole, which it has yet to see, and from now on each frame. Main thread."""
+        """Send one view the whole content, and every frame from now on. Main thread."""
         content, fields = self.whole()
         with self._lock:
             self._seen[view] = self.frame - 1

@@ -1,4 +1,4 @@
-"""Draws a node graph: nodes as ellipses, topics as boxes, arrows from who publishes to who subscribes."""
+"""Draws a node graph: nodes as ellipses, topics as boxes, arrows from publishers to topics to subscribers."""
 
 import math
 from collections.abc import Sequence
@@ -11,15 +11,15 @@ from tutorial.notebook.widgets.graph_watch import Topology
 from tutorial.notebook.widgets.layers import Edge, Layout, Place, Vertex, lay_out
 
 MARGIN = 8.0  # [px]
-HEIGHT = 42.0  # [px] of a node and of a topic
+HEIGHT = 42.0  # [px] of nodes and topics
 LONGEST_NAME = 30  # characters
-CHARACTER = 7.3  # [px] about, of the code font
-TWIN = 8.0  # [px] below the middle, where arrows leave and arrive that run the other way
-HEAD = 8.0  # [px] of an arrow
+CHARACTER = 7.3  # [px] approximate width in the code font
+TWIN = 8.0  # [px] below the middle, where arrows to the left begin and end
+HEAD = 8.0  # [px] size of an arrowhead
 
 
 def picture(topology: Topology) -> tuple[str, str]:
-    """Draw a node graph; the picture and its description."""
+    """Draw a node graph; return the SVG and its description."""
     shapes = _shapes(topology)
     if not shapes:
         text = "there are no nodes yet"
@@ -40,9 +40,9 @@ def picture(topology: Topology) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class _Shape:
-    """An ellipse with a node's name, or a box with a topic's, and a small line below it.
+    """An ellipse with a node's name, or a box with a topic's, and a small hint below the name.
 
-    Several nodes of one name share an ellipse, and it says so.
+    Nodes with the same name share an ellipse, with a hint that says so.
     """
 
     name: str
@@ -75,7 +75,7 @@ class _Shape:
             svg.write(group, x, y + 12, self.hint, f"fill:{colour};font-size:11px", "middle")
 
     def edge(self, dy: float) -> float:
-        """How far the border is from the middle, at a height [px]."""
+        """Return the horizontal distance from the centre to the border at a height [px]."""
         return self.width / 2 * (math.sqrt(1 - (2 * dy / HEIGHT) ** 2) if self.is_node else 1)
 
 
@@ -97,7 +97,7 @@ def _edges(topology: Topology) -> list[Edge]:
 
 
 def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout) -> None:
-    """Draw a line from shape to shape, through the edge's lanes, that leaves and arrives horizontally."""
+    """Draw an arrow from shape to shape through the edge's lanes. It starts and ends horizontally."""
     (x1, y1), (x2, y2) = (layout.places[end] for end in edge)
     sign = 1 if x1 < x2 else -1
     dy = TWIN if sign < 0 else 0.0
@@ -111,7 +111,7 @@ def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layou
 
 
 def _curve(points: Sequence[Place]) -> str:
-    """A path through points, horizontal at each of them."""
+    """Return an SVG path through points that is horizontal at each of them."""
     parts = [f"M{points[0][0]:.1f},{points[0][1]:.1f}"]
     for (x1, y1), (x2, y2) in pairwise(points):
         middle = (x1 + x2) / 2
@@ -126,7 +126,7 @@ def _rate_text(rate: float | None) -> str:
 
 
 def _words(topology: Topology) -> str:
-    """The graph in words: its nodes, then each topic with those who publish and subscribe."""
+    """Describe the graph: the nodes, then each topic with its publishers and subscribers."""
     nodes = [name if count == 1 else f"{name} ({count} nodes of one name)" for name, count in topology.nodes.items()]
     said = [f"Nodes: {_listed(nodes)}."]
     for topic, news in topology.topics.items():

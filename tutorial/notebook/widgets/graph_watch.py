@@ -1,4 +1,4 @@
-"""Who publishes and subscribes to what, and how often: what the picture of the node graph is made of."""
+"""The data behind the picture of the node graph: publishers, subscribers and message rates."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, message_class
 
-MOST = 40  # nodes, and topics, that are looked into
-LOOKS_KEPT = 7  # of a topic's count, for its rate
-DEPTH = 100  # messages that may wait for the executor without being lost to the count
+MOST = 40  # nodes to show, and as many topics
+LOOKS_KEPT = 7  # counts of a topic, from which its rate is computed
+DEPTH = 100  # messages that can wait for the executor before any are lost to the count
 
 
 @dataclass(frozen=True)
 class TopicNews:
-    """What is known of a topic.
+    """A topic's type, rate and endpoints.
 
     Attributes:
-        type_name: its type; several are joined by commas.
-        rate: messages per second [Hz], or None while it is not known.
+        type_name: the type; several are joined by commas.
+        rate: messages per second [Hz], or None while unknown.
         publishers: full names of the nodes that publish, sorted.
         subscribers: full names of the nodes that subscribe, sorted.
     """
@@ -39,19 +39,19 @@ class TopicNews:
     subscribers: tuple[str, ...]
 
     def among(self, nodes: Collection[str]) -> TopicNews:
-        """The same with these nodes only."""
+        """Return a copy that mentions only these nodes."""
         publishers, subscribers = (tuple(filter(nodes.__contains__, n)) for n in (self.publishers, self.subscribers))
         return replace(self, publishers=publishers, subscribers=subscribers)
 
 
 @dataclass(frozen=True)
 class Topology:
-    """The node graph at one moment, without what is hidden; all names are as `escape_name`.
+    """A snapshot of the node graph without hidden nodes and topics. All names are escaped by `escape_name`.
 
     Attributes:
-        nodes: how many nodes have each full name; those that publish or subscribe are among them.
-        topics: by name.
-        more: how many nodes and topics there are beside these.
+        nodes: the number of nodes by full name, including all publishers and subscribers.
+        topics: the topics by name.
+        more: the number of further nodes and topics.
     """
 
     nodes: dict[str, int] = field(default_factory=dict)
@@ -60,10 +60,10 @@ class Topology:
 
 
 class GraphWatch:
-    """Looks at the node graph through one node, and counts messages with it. It belongs to that node's executor.
+    """Observes the node graph and counts messages through one node. Use it in that node's callbacks.
 
     Args:
-        node: that asks and subscribes.
+        node: the node that queries the graph and subscribes.
     """
 
     def __init__(self, node: Node) -> None:
@@ -72,9 +72,9 @@ class GraphWatch:
         self._known: set[str] = set()
 
     def look(self) -> Topology:
-        """Ask for the graph; this takes some milliseconds, or more where there is much. The executor's thread.
+        """Query the graph, which takes some milliseconds, or longer for a large graph. The executor's thread.
 
-        If there are too many topics, those that it has looked into before come first.
+        If there are too many topics, those of the last look take precedence.
         """
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
         chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST])
@@ -89,9 +89,9 @@ class GraphWatch:
         return Topology(nodes, topics, more + len(found) - len(chosen))
 
     def _nodes(self, on_topics: set[str]) -> tuple[dict[str, int], int]:
-        """Count the nodes of each name, those on topics first, and how many more names there are.
+        """Count the nodes by name, preferring those on topics; return the counts, and the number of names left out.
 
-        A node that publishes or subscribes counts, also if it has not told its name yet.
+        A node that publishes or subscribes counts as one even before discovery has found its name.
         """
         names = (full_name(*each) for each in self._node.get_node_names_and_namespaces())
         counts = Counter(escape_name(name) for name in names if not is_hidden(name))
@@ -105,19 +105,19 @@ class GraphWatch:
         return TopicNews(", ".join(map(escape_name, types)), rate, publishers, subscribers)
 
     def _rate(self, topic: str, types: list[str]) -> float | None:
-        """How often a topic's messages come; from the first time on that this is asked."""
+        """Return the rate of a topic's messages. The first call starts counting."""
         if topic not in self._meters:
             try:
                 (type_name,) = types
                 self._meters[topic] = _RateMeter(self._node, topic, message_class(type_name))
-            except (ValueError, TypeError, TutorialError, NameValidationException):  # several types, none that is here,
-                self._meters[topic] = None  # or a name that breaks the rules
+            except (ValueError, TypeError, TutorialError, NameValidationException):  # several types, an unknown type,
+                self._meters[topic] = None  # or an invalid name
         meter = self._meters[topic]
         return meter.rate() if meter is not None else None
 
 
 class _RateMeter:
-    """Counts the messages of one topic, which it does not even decode."""
+    """Counts the messages of one topic without decoding them."""
 
     def __init__(self, node: Node, topic: str, kind: type) -> None:
         self._count = 0
@@ -127,7 +127,7 @@ class _RateMeter:
         self._subscription = node.create_subscription(kind, topic, self._on_message, qos, raw=True)
 
     def rate(self) -> float | None:
-        """Messages per second since the last few looks [Hz]; None until there are two looks."""
+        """Return the rate over the last few calls [Hz]; None at the first call."""
         self._looks.append((time.monotonic(), self._count))
         (began, before), (now, count) = self._looks[0], self._looks[-1]
         return (count - before) / (now - began) if now > began else None
@@ -140,6 +140,6 @@ class _RateMeter:
 
 
 def _visible(infos: list[TopicEndpointInfo]) -> tuple[str, ...]:
-    """The full names of the nodes that endpoints belong to, each once."""
+    """Return the full names of the endpoints' nodes, sorted, without duplicates and hidden nodes."""
     names = {full_name(info.node_name, info.node_namespace) for info in infos}
     return tuple(sorted(escape_name(name) for name in names if not is_hidden(name)))

@@ -1,4 +1,4 @@
-"""The pictures of a topic in a cell, as ``rqt_image_view`` shows them."""
+"""A view of the images on a topic, as in ``rqt_image_view``."""
 
 import numpy as np
 from rclpy.node import Node
@@ -12,25 +12,25 @@ from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.ros.topics.endpoints import reader_qos
 from tutorial.view.assets import read_static
 
-CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # what is shown, with the bytes of a pixel
+CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # the supported encodings, with their bytes per pixel
 LARGEST = 1920 * 1080  # [pixels]
-LOOK_EVERY = 0.5  # [s] from one look at who publishes to the next
+LOOK_EVERY = 0.5  # [s] between two checks of the publishers
 
 
 class ImageView(FrameWidget, NodeWidget):
-    """Shows the newest picture of a topic. Make it on the main thread, while its loop runs.
+    """Shows the newest image on a topic. Make it on the main thread, while its event loop runs.
 
-    It has a node of its own, ``image_view``, and takes one picture at a time: reliably if all publishers offer that,
-    else best effort, which loses a large picture with any of its pieces. A page is sent the next picture when it has
-    drawn the last one, so a slow page misses pictures, and nothing piles up.
+    Its own node, ``image_view``, subscribes with depth 1: reliable if all publishers offer that, otherwise best effort,
+    where losing one fragment loses the whole image. A page receives the next image after it has drawn the last one, so
+    a slow page skips images, and no queue builds up.
 
     Args:
-        topic: of type ``sensor_msgs/msg/Image``.
+        topic: a topic of type ``sensor_msgs/msg/Image``.
 
     Attributes:
-        newest: what is shown. The content is the bytes of the picture, row by row from the top, nothing between them;
-            the fields are its ``width`` and ``height`` [px], the ``encoding`` of a pixel, and the ``line`` below it.
-            Where there is no picture, there is only the line.
+        newest: the frame that is shown. Its content is the image, row by row from the top without padding. Its fields
+            are ``width`` and ``height`` [px], the ``encoding``, and the ``line`` of text below the image. Without an
+            image, ``line`` is the only field.
 
     Raises:
         TutorialError: no event loop runs.
@@ -42,13 +42,13 @@ class ImageView(FrameWidget, NodeWidget):
 
     def __init__(self, topic: str = "/Tank/camera/image") -> None:
         super().__init__(topic)
-        self.newest = _no_picture(f"nothing has come on {topic} yet")
+        self.newest = _no_picture(f"no message on {topic} yet")
         self._topic = topic
         self._subscription: Subscription | None = None
         self.open_node("image_view", self._set_up)
 
     def whole(self) -> Frame:
-        """The newest picture."""
+        """Return the newest image."""
         return self.newest
 
     def _set_up(self, node: Node) -> None:
@@ -56,7 +56,7 @@ class ImageView(FrameWidget, NodeWidget):
         node.create_timer(LOOK_EVERY, lambda: self._look(node))
 
     def _look(self, node: Node) -> None:
-        """Subscribe with what all publishers offer, anew if that has changed. After the first time a timer calls it."""
+        """Subscribe with the reliability that all publishers offer; subscribe again when it changes."""
         offered = reader_qos(node, self._topic).reliability
         if self._subscription is not None:
             if self._subscription.qos_profile.reliability == offered:
@@ -66,11 +66,11 @@ class ImageView(FrameWidget, NodeWidget):
         self._subscription = node.create_subscription(Image, self._topic, self._on_image, qos)
 
     def _on_image(self, message: Image) -> None:
-        """Take a picture, on the executor's thread."""
+        """Post an image to the main thread. The executor's thread."""
         self.calls.call_latest("image", self._show, _frame(message))
 
     def _show(self, frame: Frame) -> None:
-        """Keep the newest picture, and send it to those who have drawn the last one. Main thread."""
+        """Keep the newest image, and send it to the views that have drawn the last one. Main thread."""
         self.newest = frame
         content, fields = frame
         self.send_frame(content, **fields)
@@ -81,10 +81,10 @@ def _no_picture(line: str) -> Frame:
 
 
 def _frame(message: Image) -> Frame:
-    """Take a picture out of a message, or say why it is none that can be shown."""
+    """Extract the image from a message, or explain why it cannot be shown."""
     width, height, step, encoding = message.width, message.height, message.step, message.encoding
     if encoding not in CHANNELS:
-        return _no_picture(f"the encoding {printable(encoding[:20])!r} is not shown here, only {', '.join(CHANNELS)}")
+        return _no_picture(f"the encoding {printable(encoding[:20])!r} is not supported, only {', '.join(CHANNELS)}")
     row = CHANNELS[encoding] * width
     size = len(message.data)
     if not 0 < width * height <= LARGEST or step < row or size < step * height:

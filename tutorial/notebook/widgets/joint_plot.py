@@ -1,4 +1,4 @@
-"""A live plot of joint positions, as ``rqt_plot`` shows them."""
+"""A live plot of joint positions, as in ``rqt_plot``."""
 
 import asyncio
 import math
@@ -16,30 +16,30 @@ from tutorial.notebook.widgets.chart import HEIGHT, MOST_CURVES, WIDTH, Curve, d
 from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
-SECONDS = 10.0  # [s] that are shown
-DRAW_EVERY = 0.1  # [s] at the most often
+SECONDS = 10.0  # [s] that the plot covers
+DRAW_EVERY = 0.1  # [s] between two drawings, at least
 SHARE = 0.1  # of the main thread's time that drawing takes at most
 SAMPLES_KEPT = 10_000
-NAMES_KEPT = 200  # of one message
+NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad], infinity included
-LEAST_SPAN = 0.02  # [rad] from the bottom to the top
-RESTART = 1.0  # [s] by which the time steps back when its publisher has been started again
+LEAST_SPAN = 0.02  # [rad] smallest range of the y axis
+RESTART = 1.0  # [s] that stamps jump back at least when the publisher restarts
 
 
 class _Sample(NamedTuple):
-    """What one message said, at its stamp [s]; the joints' names are as `escape_name`."""
+    """The positions in one message and its stamp [s]. Joint names are escaped by `escape_name`."""
 
     time: float
     positions: dict[str, float]
 
 
 class JointPlot(LivePicture):
-    """Draws the position of each joint over the messages' stamps. Make it on the main thread, while its loop runs.
+    """Plots joint positions over the messages' stamps. Make it on the main thread, while its event loop runs.
 
-    It has a node of its own, ``joint_plot``. What is drawn, ten times a second at most, is the newest messages.
+    Its own node, ``joint_plot``, receives the messages. The newest ones are drawn at most ten times a second.
 
     Args:
-        topic: of type ``sensor_msgs/msg/JointState``.
+        topic: a topic of type ``sensor_msgs/msg/JointState``.
 
     Raises:
         TutorialError: no event loop runs.
@@ -52,32 +52,32 @@ class JointPlot(LivePicture):
         self._is_due = False
         self._draw_from = 0.0
         self._draw()
-        qos = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)  # fits every publisher
+        qos = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)  # compatible with every publisher
         self.open_node("joint_plot", lambda node: node.create_subscription(JointState, topic, self._on_message, qos))
 
     def _on_message(self, message: JointState) -> None:
-        """Keep what is to be drawn, post, and return. The executor's thread."""
+        """Store the positions, post a redraw, and return. The executor's thread."""
         _add(self._samples, message)
         self.calls.call_latest("news", self._draw_soon)
 
     def _draw_soon(self) -> None:
-        """See to it that what has come is drawn, but not too often. Main thread."""
+        """Schedule a drawing, unless one is scheduled already. Main thread."""
         if not self._is_due:
             self._is_due = True
             asyncio.get_running_loop().call_at(self._draw_from, self._draw)
 
     def _draw(self) -> None:
-        """Draw what is there. Main thread."""
+        """Draw the newest samples. Main thread."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         self._is_due = False
         if not self.ended:
-            self.show(*_picture(self._topic, self._samples.copy()))  # in one go: the other thread may go on adding
+            self.show(*_picture(self._topic, self._samples.copy()))  # a copy, as the executor's thread keeps adding
         self._draw_from = began + max(DRAW_EVERY, (loop.time() - began) / SHARE)
 
 
 def _add(samples: deque[_Sample], message: JointState) -> None:
-    """Keep what a message says; nothing from before its publisher was started again."""
+    """Store a message's positions. Drop the earlier samples if its stamp shows that the publisher restarted."""
     stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
     if samples and stamp < samples[-1].time - RESTART:
         samples.clear()
@@ -87,14 +87,14 @@ def _add(samples: deque[_Sample], message: JointState) -> None:
 
 
 def _picture(topic: str, samples: Iterable[_Sample]) -> tuple[str, str]:
-    """Draw the samples of the last seconds; the picture and its description."""
+    """Draw the samples of the last `SECONDS`; return the SVG and its description."""
     ordered = sorted(samples, key=itemgetter(0))
     end = ordered[-1].time if ordered else 0.0
     shown = [sample for sample in ordered if sample.time >= end - SECONDS]
     names = list(dict.fromkeys(name for sample in shown for name in sample.positions))
     curves = {name: curve for name in names[:MOST_CURVES] if (curve := _curve(shown, name))}
     if not curves:
-        text = f"nothing has come on {svg.shorten(topic, 60)} yet" if not shown else f"no positions on {topic}"
+        text = f"no message on {svg.shorten(topic, 60)} yet" if not shown else f"no positions on {topic}"
         return svg.notice(WIDTH, HEIGHT, text), text
     begin = max(end - SECONDS, min(end, 0.0))
     x_range = begin, begin + SECONDS
@@ -104,7 +104,7 @@ def _picture(topic: str, samples: Iterable[_Sample]) -> tuple[str, str]:
 
 
 def _curve(samples: Sequence[_Sample], name: str) -> Curve | None:
-    """One joint's curve; None where there is no number to draw."""
+    """Return one joint's curve; None if no position is finite."""
     points = [(sample.time, sample.positions[name]) for sample in samples if name in sample.positions]
     finite = [position for _, position in points if math.isfinite(position)]
     return Curve(points, f"{finite[-1]:+.4f} rad") if finite else None

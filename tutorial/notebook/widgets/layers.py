@@ -1,6 +1,6 @@
-"""Lays a directed graph out in layers from left to right, after Sugiyama, Tagawa and Toda (1981).
+"""Lays out a directed graph in layers from left to right, after Sugiyama, Tagawa and Toda (1981).
 
-Edges that would close a circle run from right to left; an edge over several layers gets a row of its own in each.
+Edges that would close a cycle run from right to left. An edge over several layers gets its own row in each of them.
 """
 
 from collections import defaultdict
@@ -14,17 +14,17 @@ Edge = tuple[Vertex, Vertex]
 Place = tuple[float, float]
 
 GAP = 44.0  # [px] between two layers, for the arrows
-ROW = 54.0  # [px] from the middle of one shape to that of the next below
+ROW = 54.0  # [px] from one centre to the next below
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where everything is [px].
+    """The positions of a graph's vertices and edges [px].
 
     Attributes:
-        places: the middle of each vertex.
-        lanes: for each edge, where it comes into each layer that it passes, and leaves it, in the edge's direction.
-        size: width and height of all, where a shape is at most as high as a row.
+        places: the centre of each vertex.
+        lanes: for each edge, the points where it enters and leaves each layer that it passes, in its direction.
+        size: the width and height of the layout, with shapes no higher than a row.
     """
 
     places: dict[Vertex, Place]
@@ -33,11 +33,11 @@ class Layout:
 
 
 def lay_out(widths: Mapping[Vertex, float], edges: Sequence[Edge]) -> Layout:
-    """Find a place for each vertex.
+    """Place each vertex, and route each edge.
 
     Args:
-        widths: of each vertex [px].
-        edges: from where to where; both ends are vertices, and differ.
+        widths: the width of each vertex [px].
+        edges: pairs of different vertices, from start to end.
     """
     layer = _layers(widths, edges)
     chains = {}
@@ -57,7 +57,7 @@ def lay_out(widths: Mapping[Vertex, float], edges: Sequence[Edge]) -> Layout:
 
 
 def _layers(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> dict[Vertex, int]:
-    """Number the layers: each vertex is right of all that lead to it, and those nobody leads to beside the next."""
+    """Return each vertex's layer: right of all its predecessors, or next to its first successor if it has none."""
     rank = {vertex: i for i, vertex in enumerate(_ordered(vertices, edges))}
     forward = [(a, b) if rank[a] < rank[b] else (b, a) for a, b in edges]
     before, after = _neighbours((b, a) for a, b in forward), _neighbours(forward)
@@ -71,7 +71,7 @@ def _layers(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> dict[Vertex, i
 
 
 def _ordered(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> list[Vertex]:
-    """Walk through the graph, and return each vertex before all that it leads to, but for what closes a circle."""
+    """Sort the vertices topologically, ignoring edges that close a cycle."""
     after = _neighbours(edges)
     entered = {b for _, b in edges}
     seen: set[Vertex] = set()
@@ -84,13 +84,13 @@ def _ordered(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> list[Vertex]:
                 walk(following)
             finished.append(vertex)
 
-    for start in sorted(vertices, key=entered.__contains__):  # those nobody leads to come first
+    for start in sorted(vertices, key=entered.__contains__):  # vertices without predecessors first
         walk(start)
     return finished[::-1]
 
 
 def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex, float]:
-    """Find each vertex's place from top to bottom: each layer is centred, in the order of what leads to it."""
+    """Return each vertex's y. Layers are centred, and sorted by the mean y of the predecessors."""
     before = _neighbours((b, a) if layer[a] < layer[b] else (a, b) for a, b in links)
     columns = defaultdict(list)
     for vertex, number in layer.items():
@@ -104,7 +104,7 @@ def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex,
 
 
 def _spans(layer: Mapping[Vertex, int], widths: Mapping[Vertex, float]) -> list[Place]:
-    """Where each layer begins and ends, from left to right."""
+    """Return the left and right x of each layer."""
     spans, left = [], 0.0
     for number in range(max(layer.values(), default=-1) + 1):
         right = left + max(widths.get(vertex, 0.0) for vertex, other in layer.items() if other == number)

@@ -1,4 +1,4 @@
-"""A plot of some curves: numbers over time."""
+"""A plot of values over time."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -7,22 +7,22 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.chart import MOST_CURVES, Curve, draw_plot
 from tutorial.notebook.widgets.picture import Picture
 
-NOTHING = "there is nothing to plot: {}. Give each curve its times and as many values, {{name: (times, values)}}."
+NOTHING = "cannot plot this: {}. Give each curve as many values as times: {{name: (times, values)}}."
 
 
 def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], unit: str) -> Picture:
     """Draw curves over time.
 
     Args:
-        curves: by name, the times [s], rising, and as many values, such as NumPy's arrays.
-        unit: of the values, such as ``"m/s²"``.
+        curves: for each name, ascending times [s] and as many values, such as NumPy arrays.
+        unit: the unit of the values, such as ``"m/s²"``.
 
     Raises:
-        TutorialError: there are no curves, or more than eight; or one has no points, something else than finite
-            numbers, or not as many values as times.
+        TutorialError: there are no curves, or more than eight; or a curve has no points, a number that is not finite,
+            or a different number of values than of times.
     """
     if not 0 < len(curves) <= MOST_CURVES:
-        raise TutorialError(NOTHING.format(f"{len(curves)} curves, and {MOST_CURVES} can be told apart"))
+        raise TutorialError(NOTHING.format(f"{len(curves)} curves, but 1 to {MOST_CURVES} are supported"))
     drawn = {name: _curve(name, [*map(float, xs)], [*map(float, ys)], unit) for name, (xs, ys) in curves.items()}
     times = [time for curve in drawn.values() for time, _ in curve.points]
     begin, end = min(times), max(times)

@@ -1,4 +1,4 @@
-"""A live picture of the node graph, as ``rqt_graph`` shows it."""
+"""A live picture of the node graph, as in ``rqt_graph``."""
 
 import time
 
@@ -11,15 +11,15 @@ from tutorial.notebook.widgets.graph_watch import GraphWatch, Topology
 from tutorial.notebook.widgets.picture import LivePicture
 
 LOOK_EVERY = 0.5  # [s]
-BREATH = 10  # times as long as a look took, before the next
+BREATH = 10  # the pause before the next look, as a multiple of how long the last one took
 
 
 class NodeGraph(LivePicture):
-    """Draws nodes, topics, and who publishes and subscribes, twice a second.
+    """Draws nodes, topics, publishers and subscribers twice a second.
 
-    Make it on the main thread, while its loop runs. Its own node is hidden, as are all whose names begin with an
-    underscore, and the topics that every node has. The rates are those at which its own subscriptions receive: they
-    count in ``ros2 topic info``.
+    Make it on the main thread, while its event loop runs. It hides nodes whose names begin with an underscore, such as
+    its own, and the topics that every node has. To measure rates, it subscribes to the topics: ``ros2 topic info``
+    counts these subscriptions.
 
     Raises:
         TutorialError: no event loop runs.
@@ -39,14 +39,14 @@ class NodeGraph(LivePicture):
         node.create_timer(LOOK_EVERY, self._look)
 
     def _look(self) -> None:
-        """Ask for the graph when it is time to, draw it, post the picture, and return. The executor's thread."""
+        """Query the graph if a look is due, draw it, and post the picture. The executor's thread."""
         began = time.monotonic()
         if began < self._next_look:
             return
         try:
             self.calls.call_latest("graph", self.show, *picture(self._watch.look()))
-        except (RuntimeError, UnicodeDecodeError) as error:  # a real one lists nothing while a node's name is empty
-            text = f"ROS 2 says: {printable(str(error))}"
+        except (RuntimeError, UnicodeDecodeError) as error:  # a real rclpy lists nothing while a node's name is empty
+            text = f"ROS 2 reports: {printable(str(error))}"
             self.calls.call_latest("graph", self.show, svg.notice(480, 80, svg.shorten(text, 64)), text)
         ended = time.monotonic()
         self._next_look = ended + BREATH * (ended - began)

@@ -1,4 +1,4 @@
-"""A vector picture in a cell, which its program can redraw; also one that a node of its own keeps up to date."""
+"""Vector pictures in cells: static ones, and live ones that a node of their own updates."""
 
 import traitlets
 
@@ -8,14 +8,14 @@ from tutorial.view.assets import read_static
 
 
 class Picture(CellWidget):
-    """Shows an SVG in a cell, and every later one in its place.
+    """Shows an SVG in a cell, and replaces it with every later one.
 
-    What comes into the page is shapes and text: scripts, links and everything else are left out on the way.
+    Only shapes and text get into the page: scripts, links and everything else are removed.
 
     Args:
         svg: the picture; empty for none yet.
-        alt: what is to be seen, in words, for those who don't see it.
-        name: what the picture is of, for its ``repr``.
+        alt: a description of the picture for screen readers.
+        name: the picture's subject, for the ``repr``.
 
     Attributes:
         svg: the picture that is shown.
@@ -35,19 +35,19 @@ class Picture(CellWidget):
         return f"{type(self).__name__}({self._name!r})"
 
     def show(self, svg: str, alt: str) -> None:
-        """Show another picture, with its description. Main thread."""
+        """Replace the picture and its description. Main thread."""
         with self.hold_sync():  # one message for both
             self.svg, self.alt = svg, alt
 
 
 class LivePicture(Picture, NodeWidget):
-    """A picture that callbacks of a node of its own keep up to date. Make it on the main thread, while its loop runs.
+    """A picture that its own node's callbacks update. Make it on the main thread, while its event loop runs.
 
     Args:
-        name: what the picture is of, for its ``repr``.
+        name: the picture's subject, for the ``repr``.
 
     Attributes:
-        calls: what the node's callbacks post with.
+        calls: the queue that the node's callbacks post to.
 
     Raises:
         TutorialError: no event loop runs.

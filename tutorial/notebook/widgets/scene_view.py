@@ -1,4 +1,4 @@
-"""The 3D view in a cell: a scene, shown by meshcat's viewer over the notebook's own connection."""
+"""The 3D view in a cell: a scene, shown by meshcat's viewer over the notebook's connection."""
 
 from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import read_static, zipped_viewer
@@ -6,21 +6,21 @@ from tutorial.view.scene import Scene
 
 
 class SceneView(FrameWidget):
-    """Shows a scene in a notebook's cell, as often as it is displayed, on every page that has the notebook open.
+    """Shows a scene in any number of cells, on every page that has the notebook open.
 
-    Make it in a cell, on the main thread: it belongs to the thread of the scene. A page that opens the view is answered
-    when that thread is free; pages that show it already see at once what a busy cell flushes.
+    Make it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when that
+    thread is free; a page that already shows it receives what a busy cell flushes at once.
 
     Args:
-        scene: what to show.
-        title: what a screen reader says it is.
+        scene: the scene to show.
+        title: the view's name for screen readers.
 
     Attributes:
-        scene: as given.
+        scene: the scene.
 
     Raises:
         TutorialError: no event loop runs.
-        WrongThreadError: made on another thread than the scene's.
+        WrongThreadError: the current thread is not the scene's.
     """
 
     AHEAD = 60  # two seconds of a program's frames
@@ -33,29 +33,27 @@ class SceneView(FrameWidget):
         self.on_msg(self._on_request)
 
     def whole(self) -> Frame:
-        """The scene, which is watched from now on."""
+        """Return the scene, and follow it from now on."""
         content = self.scene.snapshot()
         if not self.ended:
             self.scene.attach(self._show)
         return content, {}
 
     def _show(self, content: bytes) -> None:
-        """Send a frame; if there is nobody left to send it to, leave the scene alone."""
+        """Send a frame; if no view is left that keeps up, stop following the scene."""
         if not self.send_frame(content):
             self.scene.detach(self._show)
 
     def end(self) -> None:
-        """Show no more of what the scene becomes; the last picture stays on the page, also on one that comes later.
-
-        Idempotent.
+        """Stop following the scene. Pages, including those opened later, show its last picture. Idempotent.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self.scene.detach(self._show)
         super().end()
 
     def _on_request(self, _widget: object, content: object, _buffers: object) -> None:
-        """Send meshcat's viewer, a script, to a page that lacks it. Any thread."""
+        """Send the script of meshcat's viewer to a page that lacks it. Any thread."""
         if content == {"type": "library"}:
             self.calls.call_latest("library", lambda: self.say("library", [zipped_viewer()]))

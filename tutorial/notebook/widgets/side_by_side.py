@@ -1,4 +1,4 @@
-"""Widgets in a row."""
+"""A row of widgets."""
 
 from ipywidgets import HBox, Layout, Widget
 
@@ -6,12 +6,12 @@ from tutorial.notebook.widgets.scene_view import SceneView
 
 
 class SideBySide(HBox):  # type: ignore[misc]
-    """Shows widgets in a row; on a narrow page, one below the other.
+    """Shows widgets in a row, or in a column on a narrow page.
 
-    Views share the room that the others leave.
+    3D views share the width that the other widgets leave free.
 
     Args:
-        widgets: what to show.
+        widgets: the widgets to show.
     """
 
     def __init__(self, *widgets: Widget) -> None:

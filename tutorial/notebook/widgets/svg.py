@@ -1,4 +1,4 @@
-"""Vector pictures made of elements, so that every name in them is escaped, in the colours of JupyterLab's theme."""
+"""SVG pictures in the colours of JupyterLab's theme, built from elements: this escapes every name in them."""
 
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
@@ -9,7 +9,7 @@ INK = "var(--jp-ui-font-color1, #212121)"
 MUTED = "var(--jp-ui-font-color2, #5f6368)"
 RULE = "var(--jp-border-color2, #dadce0)"
 PAPER = "var(--jp-layout-color0, #ffffff)"
-LINE = "#80868b"  # on white and on black
+LINE = "#80868b"  # visible on white and on black
 ACCENT = "#1e88e5"
 WARN = "#e8710a"
 SERIES = ("#1e88e5", "#e8710a", "#2e9e5b", "#a05fd0", "#d9466f", "#1a9aa8", "#a9744f", "#8a8f2a")
@@ -20,7 +20,7 @@ CODE_FONT = "var(--jp-code-font-family, ui-monospace, monospace)"
 
 
 def new_picture(width: float, height: float) -> Element:
-    """Begin a picture, as wide as its cell at most.
+    """Make an empty picture that is at most as wide as its cell.
 
     Args:
         width: [px].
@@ -33,12 +33,12 @@ def new_picture(width: float, height: float) -> Element:
 
 
 def notice(width: float, height: float, text: str) -> str:
-    """Write down a picture that has nothing to show but a line of text, in its middle.
+    """Return a picture that contains only a centred line of text.
 
     Args:
         width: [px].
         height: [px].
-        text: of any characters.
+        text: the text, of any characters.
     """
     root = new_picture(width, height)
     write(root, width / 2, height / 2 + 4, text, f"fill:{MUTED};font-size:14px", "middle")
@@ -49,10 +49,10 @@ def draw(parent: Element, tag: str, style: str = "", **attributes: float | str) 
     """Add a shape.
 
     Args:
-        parent: where to.
-        tag: such as ``"line"``.
-        style: CSS, which is where colours stand: attributes cannot hold variables.
-        attributes: of the element; numbers are [px], and ``_`` stands for ``-``.
+        parent: the element to add it to.
+        tag: the element's tag, such as ``"line"``.
+        style: CSS. Colours belong here, because attributes cannot contain CSS variables.
+        attributes: the element's attributes. Numbers are in px, and ``_`` becomes ``-``.
     """
     texts = {name.replace("_", "-"): _number(a) if not isinstance(a, str) else a for name, a in attributes.items()}
     element = SubElement(parent, tag, texts)
@@ -65,12 +65,12 @@ def write(parent: Element, x: float, y: float, text: str, style: str = f"fill:{I
     """Add a line of text.
 
     Args:
-        parent: where to.
-        x: of the text's start, middle or end [px].
-        y: of its base line [px].
-        text: of any characters.
+        parent: the element to add it to.
+        x: position of the text's start, middle or end [px].
+        y: position of the baseline [px].
+        text: the text, of any characters.
         style: CSS.
-        anchor: ``"start"``, ``"middle"`` or ``"end"``: what x is of.
+        anchor: the part of the text at x: ``"start"``, ``"middle"`` or ``"end"``.
     """
     element = draw(parent, "text", style, x=x, y=y, text_anchor=anchor)
     element.text = text
@@ -78,12 +78,12 @@ def write(parent: Element, x: float, y: float, text: str, style: str = f"fill:{I
 
 
 def points_text(points: Iterable[tuple[float, float]]) -> str:
-    """Write points as a polyline wants them."""
+    """Format points for the ``points`` attribute of a polyline."""
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
 def shorten(text: str, length: int) -> str:
-    """Take out the middle of what is longer than this many characters."""
+    """Replace the middle of a text by an ellipsis if it has more than `length` characters."""
     if len(text) <= length:
         return text
     end = (length - 1) // 2
@@ -91,7 +91,7 @@ def shorten(text: str, length: int) -> str:
 
 
 def to_text(root: Element) -> str:
-    """Write a picture down. What is no visible character becomes its escape, as XML cannot hold all of them."""
+    """Serialise a picture. Invisible characters become escapes, because XML does not allow all of them."""
     for element in root.iter():
         if element.text:
             element.text = printable(element.text)

@@ -1,4 +1,4 @@
-"""A picture of the hand-off: the threads as lanes, and each message's way from one to the other."""
+"""A picture of the hand-off: each message's way between threads, which are drawn as lanes."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -11,21 +11,21 @@ from tutorial.notebook.widgets.picture import Picture
 from tutorial.trace import Handoff, Moment
 
 WIDTH = 760  # [px]
-LEFT, RIGHT = 118, WIDTH - 24  # [px] where the time axis begins and ends
-FIRST_LANE, LANE = 62, 92  # [px] the first lane's line, and from one to the next
+LEFT, RIGHT = 118, WIDTH - 24  # [px] ends of the time axis
+FIRST_LANE, LANE = 62, 92  # [px] y of the first lane, and the distance between lanes
 RADIUS = 4  # [px] of a dot
 
 
 def swimlane(program: Program, count: int = 8) -> Picture:
-    """Draw when the last messages of a program were received, posted and applied, and on which thread.
+    """Draw when a program's last messages were received, posted and applied, and on which thread.
 
     Args:
-        program: whose messages.
-        count: how many of them, from 1 on.
+        program: the program.
+        count: the number of messages to draw, at least 1.
     """
     handoffs = program.trace.handoffs()[-count:]
     if not handoffs:
-        text = "nothing was received or posted yet"
+        text = "no message received or posted yet"
         return Picture(svg.notice(WIDTH, 80, text), text, "handoffs")
     lanes = _Lanes(handoffs)
     root = svg.new_picture(WIDTH, lanes.foot + 40)
@@ -44,13 +44,13 @@ def swimlane(program: Program, count: int = 8) -> Picture:
 
 
 class _Lanes:
-    """A lane for each thread, those that apply last, and time from left to right.
+    """The coordinates: time from left to right, a lane for each thread, and the threads that apply calls at the bottom.
 
     Attributes:
-        names: of the threads.
+        names: the threads' names.
         duration: from the first moment to the last [s].
-        end: where the last moment is [px].
-        foot: where the time axis is [px].
+        end: the x of the last moment [px].
+        foot: the y of the time axis [px].
     """
 
     def __init__(self, handoffs: Sequence[Handoff]) -> None:
@@ -65,11 +65,11 @@ class _Lanes:
         self.foot = FIRST_LANE + LANE * (len(self.names) - 1) + 26
 
     def x(self, time: float) -> float:
-        """Where a time is [px]."""
+        """Return the x of a time [px]."""
         return LEFT + (RIGHT - LEFT) * (time - self._start) / self._span
 
     def place(self, moment: Moment) -> tuple[float, float]:
-        """Where a moment is [px]."""
+        """Return the x and y of a moment [px]."""
         return self.x(moment.time), FIRST_LANE + LANE * self.names.index(moment.thread)
 
     def draw(self, root: Element) -> None:
@@ -83,7 +83,7 @@ class _Lanes:
 
 
 def _draw_callback(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
-    """A hollow dot where a message was received, and a bar as long as its callback took."""
+    """Draw a hollow dot where a message was received, and a bar as long as its callback ran."""
     if handoff.received is None:
         return
     x, y = lanes.place(handoff.received)
@@ -93,7 +93,7 @@ def _draw_callback(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
 
 
 def _draw_call(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
-    """The way of a posted call to where it ran; or half of it, to a cross where a newer one took its place."""
+    """Draw the way of a posted call to where it was applied, or halfway to a cross if a newer call superseded it."""
     if handoff.posted is None:
         return
     start = lanes.place(handoff.posted)
@@ -111,7 +111,7 @@ def _draw_call(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
 
 
 def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str) -> None:
-    """What the signs mean, and how many there are of each."""
+    """Explain the symbols, with their counts."""
     entries = [
         ("○", svg.INK, "received", received),
         ("●", svg.ACCENT, f"applied after {waited}", counts["applied"]),
@@ -127,5 +127,5 @@ def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str
 
 
 def _ms(seconds: float) -> str:
-    """A time with three digits at most."""
+    """Format a time with at most three digits."""
     return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{seconds * 1e3:.3g} ms"
