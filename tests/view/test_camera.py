@@ -157,8 +157,8 @@ def test_a_machine_that_cannot_render_is_reported_once(stage, monkeypatch, caplo
         stage.body.camera(name).capture(taken.append)
     assert taken == []
     (said,) = caplog.messages
-    assert said.startswith("cameras take no pictures, all else goes on: nothing renders here (ModuleNotFoundError: ")
-    assert said.endswith("). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it.")
+    assert said.startswith("cameras take no pictures, but everything else works: rendering failed (ModuleNotFound")
+    assert said.endswith("). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this.")
 
 
 def test_cameras_have_names_and_sizes(stage):

@@ -136,7 +136,7 @@ def test_the_pages_path_is_logged(tmp_path, caplog):
     page = tmp_path / "out.html"
     with caplog.at_level("INFO"), recorded(Scene(), page, "tank", float):
         pass
-    assert caplog.messages == [f"the run is kept in {page}: open it in a browser"]
+    assert caplog.messages == [f"the replay is in {page}: open it in a browser"]
 
 
 async def drive_step_1(path):

@@ -1,1 +1,1 @@
-"""What is shown: the scene, how bodies are drawn, the page that shows it, and runs kept to be played again."""
+"""The 3D view: the scene, the drawing of bodies, the page that shows them, and replays of recorded runs."""

@@ -1,6 +1,6 @@
-"""Turns the messages of a scene over time into one message: everything that was drawn, and an animation that moves it.
+"""Turns a scene's messages over time into a single message: all objects, and an animation that moves them.
 
-In meshcat, an animation holds the poses of each object that moves, with their times.
+In meshcat, an animation holds timed poses of each object that moves.
 """
 
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 
 class Animation:
-    """What a scene has shown so far: everything that was drawn, and how it moved, came and went.
+    """Collects the objects that a scene has shown, and when they moved, appeared and disappeared.
 
     Attributes:
-        lines: what stood below the view: (since when [s], text).
+        lines: the lines below the view: (start time [s], text).
     """
 
     def __init__(self) -> None:
@@ -28,20 +28,20 @@ class Animation:
         self._has_camera = False
 
     def add(self, time: float, message: bytes) -> None:
-        """Take a message of the scene, and its time in the run [s]. The message is empty where nothing has changed."""
+        """Add a message of the scene, with its time in the run [s]. An empty message means that nothing has changed."""
         self._before, self._now = self._now, time
         for kind, payload in unpack_records(message):
             if kind is Record.COMMAND:
                 self._take(unpack_command(payload))
             elif kind is Record.LINE:
                 self.lines.append((round(time, 3), payload.decode()))
-            elif kind is Record.CAMERA and not self._has_camera:  # a replay begins where the first camera was
+            elif kind is Record.CAMERA and not self._has_camera:  # a replay begins at the first camera position
                 self._has_camera = True
                 numbers = np.frombuffer(payload, "<f8").tolist()
                 self._scene.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
 
     def finish(self) -> bytes:
-        """Return one message, which shows everything that ever was there, and moves it."""
+        """Return one message with all objects that were ever shown, and their animation."""
         clips = [_clip(path, "run", _motion(track)) for path, track in self._poses.items() if len(track.times) > 1]
         clips += [
             _clip(path, "sight", [_keys(".visible", "bool", track, track.values)])
@@ -64,18 +64,18 @@ class Animation:
                 self._see(path, True)
                 self._scene.send_message(command)
             case "set_property" if command["property"] == "color" and path.startswith("/Bodies/"):
-                pass  # a joint that is stale at the end was not stale all the time; the line below says when
+                pass  # a joint that is stale at the end was not always stale; the line below the view shows when
             case _:
                 self._scene.send_message(command)
 
     def _see(self, path: str, there: bool) -> None:
-        """Note from when on an object is visible, or not: a body may come and go during a run."""
+        """Record when an object appears or disappears: bodies can come and go during a run."""
         track = self._sights.setdefault(path, _Track([0.0], [self._now == 0.0]))
         if track.values[-1] != there:
             track.add(self._now, there)
 
     def _move(self, command: dict[str, Any]) -> None:
-        """Note where an object is now. Between two poses it moves evenly, so a time of standing still has two."""
+        """Record an object's pose. Poses are interpolated, so a pause needs one at its start and one at its end."""
         matrix = np.array(command["matrix"], dtype=np.float64)
         if not np.isfinite(matrix).all():
             return
@@ -90,7 +90,7 @@ class Animation:
 
 @dataclass
 class _Track:
-    """One object's poses, or whether it is visible: times [s], and the value at each."""
+    """One object's poses or visibility: times [s], and the value at each."""
 
     times: list[float]
     values: list[Any]
@@ -101,7 +101,7 @@ class _Track:
 
 
 def _motion(track: _Track) -> list[dict[str, Any]]:
-    """Poses as meshcat has them. A matrix's 16 numbers are column by column, and a quaternion is xyzw in three.js."""
+    """Convert poses to meshcat's tracks. Matrices are stored column by column, and three.js orders quaternions xyzw."""
     columns = np.array(track.values).reshape(-1, 4, 4)
     scales = np.linalg.norm(columns[:, :3, :3], axis=2)
     quaternions = np.empty((len(columns), 4))
@@ -111,7 +111,7 @@ def _motion(track: _Track) -> list[dict[str, Any]]:
         _keys(".position", "vector3", track, columns[:, 3, :3]),
         _keys(".quaternion", "quaternion", track, np.roll(quaternions, -1, axis=1)),
     ]
-    if np.ptp(scales, axis=0).max() > 1e-6:  # float32: what is rigid has not exactly 1
+    if np.ptp(scales, axis=0).max() > 1e-6:  # in float32, a rigid motion's scale is not exactly 1
         motion.append(_keys(".scale", "vector3", track, scales))
     return motion
 

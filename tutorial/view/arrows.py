@@ -1,4 +1,4 @@
-"""What inertial sensors measure: arrows in the scene that follow the body, and numbers for the table below it."""
+"""Readings of inertial sensors, as arrows that follow the body, and as numbers for the table below the view."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from tutorial.description.poses import Matrix, pose
 from tutorial.view.shapes import draw_arrow
 
 LONGEST = 1.0
-"""No arrow is longer [m], whatever is published."""
+"""Length limit of arrows [m], whatever is published."""
 
 LARGEST = 1e6
-"""Larger numbers are written as this one, so that the table stays small."""
+"""Larger numbers are shown as this one, to keep the table narrow."""
 
 SMOOTHNESS = 0.7
-"""How much of the difference between what is shown and what was measured remains after a frame."""
+"""The share of the difference between the shown and the measured vector that remains after a frame."""
 
 UNSEEN = 1e-3
 """The scale of a hidden arrow. It is not 0, because a matrix has to have an inverse."""
@@ -29,12 +29,12 @@ class Style:
     """How one kind of sensor is shown.
 
     Attributes:
-        name, unit: of what it measures.
-        legend: what the arrow looks like.
+        name, unit: the measured quantity and its unit.
+        legend: a description of the arrow.
         colour: as 0xRRGGBB.
-        scale: the arrow's length [m] for one unit.
-        threshold: what is smaller has no arrow, in the unit.
-        offset: how far above the sensor the arrow begins [m].
+        scale: the arrow's length [m] per unit.
+        threshold: the smallest value with an arrow, in the unit.
+        offset: the height of the arrow's start above the sensor [m].
     """
 
     name: str
@@ -57,12 +57,12 @@ STYLES = {
 
 
 class Arrow:
-    """One sensor's arrow. It is drawn in the world, from above the sensor into the direction of what was measured.
+    """One sensor's arrow: it begins above the sensor and points in the measured direction.
 
     Args:
-        path: of the arrow in the scene.
-        model: the body's.
-        sensor: the number of an accelerometer or a gyroscope; what it measures is along the axes of its site.
+        path: the arrow's path in the scene.
+        model: the body's model.
+        sensor: the id of an accelerometer or a gyroscope, which measures in the frame of its site.
         style: how to show it.
     """
 
@@ -74,17 +74,17 @@ class Arrow:
         takes_off_gravity = model.sensor_type[sensor] == mujoco.mjtSensor.mjSENS_ACCELEROMETER
         self._gravity: NDArray[np.float64] = model.opt.gravity * takes_off_gravity
         self._measured: NDArray[np.float64] = np.zeros(3)
-        self._target: NDArray[np.float64] = np.zeros(3)  # in the world, in the unit
+        self._target: NDArray[np.float64] = np.zeros(3)  # in the world frame and the unit
         self._shown: NDArray[np.float64] = np.zeros(3)
         self._origin: NDArray[np.float64] = np.zeros(3)
         self._sent: Matrix | None = None
         self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
-        """Take over what was measured, and where the sensor is.
+        """Aim at the measured vector, from the sensor's current place.
 
-        Three zeros mean that nothing was measured, for an accelerometer at rest says 9.8; a number that is not finite
-        has no arrow.
+        Three zeros count as no measurement, because an accelerometer at rest measures 9.8. If a number is not finite,
+        there is no arrow.
         """
         self._measured = data.sensordata[self._adr : self._adr + 3].copy()
         self._origin = data.site_xpos[self._site] + (0.0, 0.0, self._style.offset)
@@ -95,9 +95,9 @@ class Arrow:
             self._target = np.zeros(3)
 
     def step(self) -> Iterator[dict[str, Any]]:
-        """Go on by a frame, towards what was measured; yield the commands that draw it, if it has changed.
+        """Move the arrow towards its target by one frame; yield the commands that draw it, if it has changed.
 
-        The arrow is drawn when there is something to see for the first time.
+        The arrow is added to the scene when it becomes visible for the first time.
         """
         difference = self._target - self._shown
         still = np.abs(difference).max() < 0.01 * self._style.threshold
@@ -114,14 +114,14 @@ class Arrow:
         yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Return what was measured: its name, x, y, z, unit and legend. Empty if nothing was."""
+        """Return the measurement as name, x, y, z, unit and legend; empty without one."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
         return (self._style.name, *numbers, self._style.unit, self._style.legend)
 
     def _matrix(self) -> Matrix:
-        """The arrow is drawn 1 m long, along z."""
+        """Return the arrow's transform. It is drawn 1 m long, along z."""
         quaternion = np.empty(4)
         mujoco.mju_quatZ2Vec(quaternion, self._shown)
         length = min(self._style.scale * float(np.linalg.norm(self._shown)), LONGEST)
@@ -131,11 +131,11 @@ class Arrow:
 
 
 def arrows_of(root: str, model: mujoco.MjModel) -> Iterator[Arrow]:
-    """Make the arrows of a model: for its first accelerometer, and for its first gyroscope.
+    """Make arrows for a model's first accelerometer and its first gyroscope.
 
     Args:
-        root: the path that they are below.
-        model: the body's.
+        root: the path above the arrows.
+        model: the body's model.
     """
     types = model.sensor_type.tolist()
     for kind, style in STYLES.items():

@@ -1,4 +1,4 @@
-"""Where the files of the 3D view and of the widgets are: our own, and meshcat's viewer."""
+"""The static files of the 3D view and the widgets: the tutorial's, and meshcat's viewer."""
 
 import gzip
 from functools import cache
@@ -6,7 +6,7 @@ from importlib.metadata import distribution
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
-"""The folder of our own."""
+"""The folder of the tutorial's files."""
 
 
 def meshcats_viewer() -> Path:
@@ -16,10 +16,10 @@ def meshcats_viewer() -> Path:
 
 @cache
 def zipped_viewer() -> bytes:
-    """Return meshcat's viewer, a script, compressed to a quarter."""
+    """Return the script of meshcat's viewer, which gzip compresses to a quarter."""
     return gzip.compress((meshcats_viewer() / "main.min.js").read_bytes(), 6, mtime=0)
 
 
 def read_static(*names: str) -> str:
-    """Return the text of files in ``static/``, one after the other, as one script or style sheet."""
+    """Return the concatenated text of files in ``static/``, as one script or style sheet."""
     return "\n".join((STATIC / name).read_text(encoding="utf-8") for name in names)

@@ -1,4 +1,4 @@
-"""Draws bodies with meshcat: each MuJoCo body once, and after that only how it moves."""
+"""Draws bodies with meshcat: the geometry once, and then only movements."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from tutorial.view.scene import Scene, Vector
 ROOT = "/Bodies"
 
 CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))
-"""Where the camera stands at first, and what it looks at [m]."""
+"""The camera's first position, and the point that it looks at [m]."""
 
 CLOSE_UP = np.array([-1.0, -0.8, 0.6])
-"""Where the camera stands to look at some bodies, seen from their middle and in terms of their extent."""
+"""The camera's position for a close-up, relative to the bodies' centre and as a multiple of their extent."""
 
 GRID = 10.0
 """Half the side of meshcat's grid [m]."""
@@ -29,7 +29,7 @@ GRID = 10.0
 FLOOR = int(mujoco.mjtGeom.mjGEOM_PLANE)
 
 HEAD = ("", "", "x", "y", "z", "", "")
-"""Of the table of what sensors measure."""
+"""The head of the table of sensor readings."""
 
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
 
@@ -53,15 +53,15 @@ LIGHTS = {
 
 
 class View:
-    """The 3D view of a program: bodies by name, drawn into a scene.
+    """The 3D view of a program, which draws named bodies into a scene.
 
-    It belongs to the scene's thread. What is drawn is seen after `flush`.
+    Use it on the scene's thread. Changes become visible with `flush`.
 
     Args:
-        scene: where to draw. Its background, lights, grid and camera are set up.
+        scene: the scene to draw into. The view sets up its background, lights, grid and camera.
 
     Attributes:
-        scene: as given.
+        scene: the scene.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -70,14 +70,14 @@ class View:
         self._furnish()
 
     def add(self, name: str, model: mujoco.MjModel) -> None:
-        """Draw all MuJoCo bodies of a model, in the pose that the model has to begin with.
+        """Draw all MuJoCo bodies of a model in their initial poses.
 
         Args:
-            name: how `update` and `remove` will call it; without a slash, and not drawn yet.
-            model: what to draw: its geoms of groups 0 to 2.
+            name: a new name for `update` and `remove`, without a slash.
+            model: the model, of which the geoms in groups 0 to 2 are drawn.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         root = f"{ROOT}/{name}"
         paths, geoms = self._draw(root, model)
@@ -98,7 +98,7 @@ class View:
                 ``mj_kinematics``).
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         body = self._bodies[name]
         for path, matrix in body.poses.moved(data):
@@ -109,41 +109,41 @@ class View:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Return in numbers what the arrows of a body show, as rows of a table; none where nothing was measured.
+        """Return what the arrows of a body show as rows of numbers, without sensors that have not measured yet.
 
         Returns:
-            Rows of the body, what was measured, x, y, z, unit and legend.
+            Rows of body, quantity, x, y, z, unit and legend.
         """
         return [(name, *reading) for arrow in self._bodies[name].arrows if (reading := arrow.reading())]
 
     def show_stale(self, name: str, joints: Collection[str]) -> None:
-        """Draw in grey what these joints move, and everything else in its own colours.
+        """Draw the parts that stale joints move in grey, and everything else in its own colours.
 
         Args:
             name: as given to `add`.
-            joints: those of which no message has come for a while; in the model they are called ``name/joint``.
+            joints: the stale joints: those without a recent message. In the model they are called ``name/joint``.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         for path, colour in self._bodies[name].paint.stale(joints):
             self._set(path, "color", colour)
 
     def remove(self, name: str) -> None:
-        """Take something out of the view.
+        """Remove a body from the view.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self.scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
         del self._bodies[name]
         self._show_grid_without_floor()
 
     def look_at_bodies(self, *names: str) -> None:
-        """Place the camera so that these bodies fill the picture, and make the grid a little larger than they are.
+        """Place the camera so that these bodies fill the picture, and scale the grid to their size.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         sizes = [self._bodies[name].model.stat for name in names]
         low = np.min([size.center - size.extent / 2 for size in sizes], axis=0)
@@ -154,19 +154,19 @@ class View:
         self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
-        """Write one line under the view, and the rows of `readings` as a table below it: see `Scene.line`.
+        """Write one line below the view, and the rows of `readings` as a table below that: see `Scene.line`.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         rows = list(readings)
         self.scene.line(text, [HEAD, *rows] if rows else ())
 
     def flush(self) -> None:
-        """Show what was drawn: one message, if anything has changed.
+        """Send all changes as one message, if anything has changed.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         for body in self._bodies.values():
             for arrow in body.arrows if body.measures else ():
@@ -175,7 +175,7 @@ class View:
         self.scene.flush()
 
     def _show_grid_without_floor(self) -> None:
-        """Show the grid as long as no floor is drawn."""
+        """Show the grid only while no floor is drawn."""
         has_floor = any(FLOOR in body.model.geom_type for body in self._bodies.values())
         self._set("/Grid", "visible", not has_floor)
 
@@ -197,9 +197,9 @@ class View:
             self._set(f"/Lights/{name}", "visible", False)
         for name, light in LIGHTS.items():
             self._set_object(f"/Lights/{name}", light)
-        self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat asks it of everything; a sky cannot
+        self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables it, but a sky casts none
         self._set("/Axes", "visible", False)
-        self._set("/Grid", "position", [0, 0, 0.003])  # on a floor at height 0 the two would flicker
+        self._set("/Grid", "position", [0, 0, 0.003])  # at height 0 it would flicker with a floor
         self._set("/Grid/<object>", "color", [1, 1, 1, 0.4])
         self._set("/Cameras/default/rotated/<object>", "fov", 50)
         self.scene.look_at(*CAMERA)
@@ -212,23 +212,23 @@ class View:
 
 
 def _label(element: Any) -> str:
-    """An element's name as one part of a path, and in the viewer's controls: ``Tank/GUN`` as ``Tank.GUN``."""
+    """Return an element's name as a path segment, such as ``Tank.GUN`` for ``Tank/GUN``, or else its id."""
     return str(element.name.replace("/", ".") or element.id)
 
 
 @dataclass
 class _Drawn:
-    """One body that is drawn."""
+    """A drawn body."""
 
     model: mujoco.MjModel
     poses: _Poses
     arrows: tuple[Arrow, ...]
     paint: Paint
-    measures: bool = False  # whether its sensors have said something
+    measures: bool = False  # whether its sensors have measured anything yet
 
 
 class _Poses:
-    """Where the bodies of one model were when they were last sent."""
+    """The last poses sent of one model's bodies."""
 
     def __init__(self, paths: dict[int, str]) -> None:
         self._ids = np.array(list(paths), dtype=np.intp)
@@ -238,9 +238,9 @@ class _Poses:
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
 
     def moved(self, data: mujoco.MjData) -> list[tuple[str, NDArray[np.float32]]]:
-        """Those that are not where they were: (path, matrix).
+        """Return the bodies that have moved: (path, matrix).
 
-        What is not finite, or too far away for single precision, stays where it is.
+        A body stays in place if its pose is not finite, or too far away for single precision.
         """
         now = self._now
         now[:, :3, :3] = data.xmat[self._ids].reshape(-1, 3, 3).transpose(0, 2, 1)

@@ -1,4 +1,4 @@
-"""What the cameras of a simulated world see, rendered off screen by MuJoCo on a thread of its own."""
+"""Cameras of a simulated world, whose pictures MuJoCo renders off screen on a separate thread."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, mend
 
-PATIENCE = 30.0  # [s] that a picture may take in lockstep, the first one's OpenGL included
-UNSET = (1, 1)  # [px] in the model of a camera without a resolution
-NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s."
+PATIENCE = 30.0  # [s] to wait for a picture in lockstep, including the start of OpenGL for the first one
+UNSET = (1, 1)  # [px] MuJoCo's resolution of a camera that sets none
+NO_PICTURES = "cameras take no pictures, but everything else works: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
 
 
@@ -27,8 +27,8 @@ class Camera:
     """A camera of a simulated body, made by `CameraRenderer`.
 
     Attributes:
-        name: without the body's prefix.
-        width, height: of its pictures [px].
+        name: the camera's name, without the body's prefix.
+        width, height: the size of its pictures [px].
     """
 
     name: str
@@ -39,28 +39,28 @@ class Camera:
     renderer: CameraRenderer = field(repr=False)
 
     def capture(self, deliver: Callable[..., object], *args: object) -> None:
-        """Have a picture taken of the world as it is now. ``deliver(pixels, *args)`` is called with it, elsewhere.
+        """Request a picture of the world in its current state, to be delivered by ``deliver(pixels, *args)``.
 
-        Only the state is copied here: the picture is rendered and delivered on the renderer's thread. Pixels have the
-        shape (height, width, 3), red, green and blue from 0 to 255, the topmost row first. A picture that still waits
-        to be rendered is replaced.
+        This call only copies the state. The renderer's thread renders the picture and calls ``deliver``. Pixels have
+        the shape (height, width, 3), with red, green and blue from 0 to 255, and the top row first. A new request
+        replaces one that has not been rendered yet.
 
-        Call it on the thread that steps the simulation. If that thread has made the renderer, too (lockstep), this
-        waits until the picture is delivered, so that none is missed, and raises what ``deliver`` raises.
+        Call it on the thread that steps the simulation. If that thread also made the renderer (lockstep), this call
+        waits until the picture has been delivered, so that none is lost, and raises what ``deliver`` raises.
 
         Raises:
-            TutorialError: in lockstep, a picture does not come.
+            TutorialError: in lockstep, the picture did not arrive in time.
         """
         self.renderer.request(self, deliver, args)
 
     def close(self) -> None:
-        """Deliver nothing any more; what is being delivered comes to its end first. Idempotent. Any thread."""
+        """Stop delivering pictures, after waiting for a delivery in progress. Idempotent. Any thread."""
         self.renderer.forget(self)
 
 
 @dataclass(eq=False)
 class _Request:
-    """A picture that is to be taken."""
+    """A requested picture."""
 
     camera: Camera
     qpos: NDArray[np.float64]
@@ -72,20 +72,20 @@ class _Request:
 
 
 class CameraRenderer:
-    """Takes the pictures of the cameras of one simulated world, on a thread that begins with the first.
+    """Renders the cameras of one simulated world, on a thread that starts with the first picture.
 
-    The world goes on meanwhile, for each picture is rendered from a copy of its state. Where nothing can render, one
-    log line says so, and no pictures are delivered.
+    Each picture is rendered from a copy of the state, so the simulation goes on meanwhile. If rendering fails, one log
+    line says so, and no pictures are delivered.
 
     Attributes:
-        error: the last exception of a receiver of pictures; None without one.
+        error: the last exception that a receiver of pictures raised; None without one.
     """
 
     def __init__(self) -> None:
         self.error: BaseException | None = None
         self._owner = threading.current_thread()
         self._changed = threading.Condition()
-        self._requests: dict[Camera, _Request] = {}  # the newest of each camera
+        self._requests: dict[Camera, _Request] = {}  # the newest request of each camera
         self._at_work: _Request | None = None
         self._thread: threading.Thread | None = None
         self._closed = False
@@ -94,7 +94,7 @@ class CameraRenderer:
         """Find a camera of a simulated body by name.
 
         Raises:
-            TutorialError: the body has no such camera; the text names the nearest.
+            TutorialError: the body has no such camera; the text suggests the nearest name.
         """
         number = body.find_id("camera", body.model.camera, body.model.ncam, name)
         width, height = body.model.cam_resolution[number].tolist()
@@ -103,7 +103,7 @@ class CameraRenderer:
         return Camera(name, width, height, body, number, self)
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
-        """Have a picture taken, on the thread that steps the simulation; see `Camera.capture`."""
+        """Request a picture; see `Camera.capture`."""
         is_awaited = threading.current_thread() is self._owner
         request = _Request(camera, camera.body.data.qpos.copy(), deliver, args, is_awaited)
         with self._changed:
@@ -118,12 +118,12 @@ class CameraRenderer:
             self._changed.notify_all()
         if is_awaited:
             if not request.done.wait(PATIENCE):
-                raise TutorialError(f"the picture of {camera.name!r} has not come for {PATIENCE:g} s.")
+                raise TutorialError(f"camera {camera.name!r} delivered no picture within {PATIENCE:g} s.")
             if request.error is not None:
                 raise request.error
 
     def forget(self, camera: Camera) -> None:
-        """Deliver no more pictures of this camera; see `Camera.close`."""
+        """Stop delivering pictures of this camera; see `Camera.close`."""
         with self._changed:
             dropped = self._requests.pop(camera, None)
             if dropped is not None:
@@ -139,24 +139,24 @@ class CameraRenderer:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(PATIENCE / 10)
             if self._thread.is_alive():
-                _log.error("a receiver of pictures does not return, so its thread ends with the process")
+                _log.error("a receiver of pictures does not return; its thread will end with the process")
 
     def _main(self, model: mujoco.MjModel) -> None:
-        """The renderer's thread, the only one that uses OpenGL."""
+        """Run the renderer's thread, the only one that uses OpenGL."""
         try:
             with Offscreen(model) as offscreen:
-                atexit.register(self.close)  # before OpenGL's own end, which comes after what was registered earlier
+                atexit.register(self.close)  # runs before OpenGL's own exit handler, which was registered earlier
                 while request := self._next():
                     camera = request.camera
                     self._deliver(request, offscreen.render(request.qpos, camera.number, camera.width, camera.height))
-        except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise what they like
+        except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and drivers can raise anything
             _log.warning(NO_PICTURES, printable(f"{type(error).__name__}: {error}")[:200], mend())
         finally:
             atexit.unregister(self.close)
             self._end()
 
     def _next(self) -> _Request | None:
-        """Wait for a request; None when there will be none any more."""
+        """Wait for a request and return it; None once the renderer is closed."""
         with self._changed:
             self._at_work = None
             self._changed.notify_all()
@@ -166,10 +166,10 @@ class CameraRenderer:
             return self._at_work
 
     def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
-        """Hand a picture to its receiver. What that raises is raised in lockstep; else it is logged, the first time."""
+        """Deliver a picture. In lockstep the caller raises the receiver's error; otherwise the first one is logged."""
         try:
             request.deliver(pixels, *request.args)
-        except BaseException as error:  # noqa: BLE001 - whatever it is, the other cameras go on
+        except BaseException as error:  # noqa: BLE001 - the other cameras go on
             request.error = error
             if not request.is_awaited:
                 if self.error is None:
@@ -178,7 +178,7 @@ class CameraRenderer:
         request.done.set()
 
     def _end(self) -> None:
-        """Take no further requests, and let nobody wait any more."""
+        """Reject further requests, and release all waiting threads."""
         with self._changed:
             self._closed = True
             for request in filter(None, (self._at_work, *self._requests.values())):

@@ -1,4 +1,4 @@
-"""Rendering without a screen, by MuJoCo with EGL or what the system has."""
+"""Off-screen rendering with MuJoCo, by EGL on Linux and the system's OpenGL elsewhere."""
 
 import copy
 import importlib
@@ -11,21 +11,21 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
-ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it"
-ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
+USUAL = (320, 240)  # [px] resolution of cameras whose model sets none
+ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this"
+ELSEWHERE = "See MuJoCo's documentation of rendering in Python for what this system needs"
 
 Pixels = NDArray[np.uint8]
 
 
 class Offscreen(AbstractContextManager["Offscreen"]):
-    """OpenGL without a screen, for pictures of one model. It belongs to the thread that makes it.
+    """An off-screen OpenGL context for pictures of one model. It belongs to the thread that makes it.
 
     Args:
-        model: what is rendered. It is copied, without shadows and smooth edges, which cost most.
+        model: the model to render. The context uses a copy without shadows and antialiasing, which cost most.
 
     Raises:
-        Exception: nothing renders here.
+        Exception: rendering does not work on this machine.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -52,12 +52,12 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         """Render what a camera sees.
 
         Args:
-            qpos: the state of the world, shape (nq,).
-            camera: its number.
-            width, height: of the picture [px].
+            qpos: the positions, shape (nq,).
+            camera: the camera's id.
+            width, height: the size of the picture [px].
 
         Returns:
-            Shape (height, width, 3), the topmost row first.
+            The pixels, shape (height, width, 3), with the top row first.
         """
         model, data = self._model, self._data
         data.qpos[:] = qpos
@@ -72,12 +72,12 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
 
 def mend() -> str:
-    """Say how to make this machine render, as a sentence without its full stop."""
+    """Return advice on how to make rendering work, as a sentence without its full stop."""
     return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
 
 
 def _gl_context(width: int, height: int) -> Any:
-    """Make an OpenGL context: on Linux with EGL, which needs no screen, unless MUJOCO_GL tells MuJoCo what to take."""
+    """Make an OpenGL context: on Linux with EGL, which needs no screen, unless MUJOCO_GL selects something else."""
     if platform.system() == "Linux" and not os.environ.get("MUJOCO_GL"):
         return importlib.import_module("mujoco.egl").GLContext(width, height)
     return mujoco.GLContext(width, height)

@@ -1,4 +1,4 @@
-"""Draws what stale joints move in grey, and later in its own colours again."""
+"""Paints the geoms that stale joints move grey, and later in their own colours again."""
 
 from collections.abc import Collection, Iterator
 
@@ -7,30 +7,29 @@ import mujoco
 from tutorial.description.colour import colour_of
 
 STALE = [0.72, 0.73, 0.75]
-"""Red, green and blue, each 0 to 1: a grey that none of the tutorial's models has."""
+"""Red, green and blue, each 0 to 1: a grey that no model of the tutorial uses."""
 
 
 class Paint:
     """The colours of one model's geoms, by the joints that move them.
 
-    A joint moves the geoms of its own MuJoCo body, and of the bodies that are fixed to that. What further
-    joints move belongs to these.
+    A geom is moved by the joints of its MuJoCo body or, if that has none, of the nearest parent with joints.
 
     Args:
-        name: of the body that is drawn: its joints are called ``name/joint`` in the model.
-        model: what is drawn.
-        geoms: by a geom's number, where it is drawn.
+        name: the drawn body's name. Its joints are called ``name/joint`` in the model.
+        model: the drawn model.
+        geoms: the scene path of each drawn geom, by the geom's id.
     """
 
     def __init__(self, name: str, model: mujoco.MjModel, geoms: dict[int, str]) -> None:
-        self._geoms: list[tuple[frozenset[str], str, list[float]]] = []  # the joints, the path, the own colour
+        self._geoms: list[tuple[frozenset[str], str, list[float]]] = []  # joints, path, own colour
         self._stale: frozenset[str] = frozenset()
         for geom, path in geoms.items():
             joints = frozenset(joint.removeprefix(f"{name}/") for joint in _moved_by(model, geom))
             self._geoms.append((joints, f"{path}/<object>", colour_of(model, geom).tolist()))
 
     def stale(self, joints: Collection[str]) -> Iterator[tuple[str, list[float]]]:
-        """Yield what changes when these joints are stale, and no others: (path, [red, green, blue, opacity])."""
+        """Make exactly these joints stale; yield each change of colour: (path, [red, green, blue, opacity])."""
         before, self._stale = self._stale, frozenset(joints)
         if before == self._stale:
             return
@@ -41,7 +40,7 @@ class Paint:
 
 
 def _moved_by(model: mujoco.MjModel, geom: int) -> list[str]:
-    """The joints of the nearest body above a geom that has any."""
+    """Return the joints of the nearest body with joints, from the geom's body upwards."""
     body = int(model.geom_bodyid[geom])
     while body and not model.body_jntnum[body]:
         body = int(model.body_parentid[body])

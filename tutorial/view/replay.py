@@ -1,7 +1,6 @@
-"""Keeps what a scene shows over a run, as a page that plays it again: in any browser, with nothing from outside.
+"""Records what a scene shows during a run, as a page that replays it in any browser without other files.
 
-While the run goes on, the messages of the scene become an animation (`tutorial.view.animation`), and afterwards that a
-page.
+During the run, the scene's messages become an animation (`tutorial.view.animation`). Afterwards that becomes a page.
 """
 
 import base64
@@ -24,7 +23,7 @@ from tutorial.view.scene import Scene
 
 _log = logging.getLogger(__name__)
 
-FRAME = 1 / 30  # [s] between two frames of what moves
+FRAME = 1 / 30  # [s] between two frames while something moves
 
 SCRIPTS = ("make.js", "scene.js", "viewer.js", "replay.js")
 STYLES = ("scene_view.css", "readings.css", "replay.css")
@@ -32,13 +31,13 @@ STYLES = ("scene_view.css", "readings.css", "replay.css")
 
 @dataclass(frozen=True)
 class Replay:
-    """A run, to be looked at again.
+    """A recorded run.
 
     Attributes:
-        scene: a message of `tutorial.view.scene`: what there is to see, and the animation.
-        times: of the frames [s], from 0.
-        joints: by "body joint", its position in each frame [rad], or [m] of one that slides; NaN where there is none.
-        lines: what stood below the view: (since when [s], text).
+        scene: a message of `tutorial.view.scene` with all objects and the animation.
+        times: the frames' times [s], from 0.
+        joints: by "body joint", the position in each frame [rad], or [m] for a slide joint; NaN where there is none.
+        lines: the lines below the view: (start time [s], text).
     """
 
     scene: bytes
@@ -47,10 +46,10 @@ class Replay:
     lines: tuple[tuple[float, str], ...]
 
     def figure(self, title: str) -> str:
-        """Return it as a piece of HTML; a page needs `script` and `style` once, and meshcat's viewer.
+        """Return the run as an HTML element. Its page needs `script`, `style` and meshcat's viewer, once each.
 
         Args:
-            title: what a screen reader says it is.
+            title: the run's name for screen readers.
         """
         timeline = {
             "title": title,
@@ -66,10 +65,10 @@ class Replay:
         )
 
     def page(self, title: str) -> str:
-        """Return it as a page of its own, which needs nothing else.
+        """Return the run as a self-contained page.
 
         Args:
-            title: of the page.
+            title: the title of the page.
         """
         template = Template((STATIC / "replay.html").read_text(encoding="utf-8"))
         viewer = base64.b64encode(zipped_viewer()).decode()
@@ -79,24 +78,24 @@ class Replay:
 
 
 def script() -> str:
-    """Return what plays the figures of a page, as a plain script."""
+    """Return the script that plays the figures of a page."""
     text = read_static(*SCRIPTS).replace("\nexport ", "\n")
     return f"(() => {{\n{text}\n}})();\n"
 
 
 def style() -> str:
-    """Return how the figures of a page look."""
+    """Return the style sheet for the figures of a page."""
     return read_static(*STYLES)
 
 
 class ReplayRecorder:
-    """Takes down what a scene shows, and when. It belongs to the scene's thread.
+    """Records what a scene shows, and when. Use it on the scene's thread.
 
     Args:
-        scene: what to watch, from now on.
-        seconds: says how long the run has taken so far [s].
-        joints: says where the joints are: positions [rad], or [m], by "body joint".
-        longest_pause: a longer time in which nothing moves is shortened to this [s].
+        scene: the scene to record, from now on.
+        seconds: returns the elapsed time of the run [s].
+        joints: returns the joints' positions [rad], or [m], by "body joint".
+        longest_pause: longer pauses without movement are cut to this [s].
     """
 
     def __init__(
@@ -119,7 +118,7 @@ class ReplayRecorder:
         scene.attach(self._take)
 
     def stop(self) -> Replay:
-        """Watch no more, and return what was seen."""
+        """Stop recording, and return the run."""
         self._scene.detach(self._take)
         self._take(b"")
         names = self._positions[-1]
@@ -130,7 +129,7 @@ class ReplayRecorder:
         now = self._seconds()
         self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
         self._last_at = now
-        if self._time - self._times[-1] > 2 * FRAME:  # until just now, nothing has moved
+        if self._time - self._times[-1] > 2 * FRAME:  # nothing has moved until now
             self._add(self._time - FRAME, b"", self._positions[-1])
         self._add(self._time, message, dict(self._joints()))
 
@@ -149,33 +148,33 @@ def recorded(
     joints: Callable[[], Mapping[str, float]] = dict,
     longest_pause: float = math.inf,
 ) -> Iterator[None]:
-    """Keep what a scene shows, while something runs within, as a page.
+    """Record what a scene shows during a ``with`` block as a page.
 
     Args:
-        scene: what to watch.
-        path: of the page.
-        title: of the page.
-        seconds: says what time the scene shows [s].
-        joints: says where the joints are: positions [rad], or [m], by "body joint".
-        longest_pause: a longer time in which nothing moves is shortened to this [s].
+        scene: the scene to record.
+        path: where to write the page.
+        title: the title of the page.
+        seconds: returns the time that the scene shows [s].
+        joints: returns the joints' positions [rad], or [m], by "body joint".
+        longest_pause: longer pauses without movement are cut to this [s].
 
     Raises:
-        TutorialError: the file cannot be written; this is found out before the run.
+        TutorialError: the file cannot be written; this is checked before the run.
     """
     path = Path(path)
-    with _told(path), path.open("a"):  # what is there already stays until the run is over
+    with _writing(path), path.open("a"):  # an existing file stays unchanged until the run is over
         pass
     recorder = ReplayRecorder(scene, seconds, joints, longest_pause)
     try:
         yield
     finally:
-        with _told(path):
+        with _writing(path):
             path.write_text(recorder.stop().page(title), encoding="utf-8")
-        _log.info("the run is kept in %s: open it in a browser", path)
+        _log.info("the replay is in %s: open it in a browser", path)
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:

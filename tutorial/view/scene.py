@@ -1,10 +1,10 @@
-"""Keeps what was drawn, so that a view that is opened later shows all of it.
+"""The scene: it keeps everything that was drawn, so that views opened later can show it.
 
-A scene takes meshcat's commands. It knows no server and no notebook: it hands bytes to whatever is attached, and
-``static/scene.js`` feeds them to meshcat's viewer in the browser.
+A scene accepts meshcat's commands. It depends on neither a server nor a notebook: it passes bytes to the attached
+sinks, and ``static/scene.js`` feeds them to meshcat's viewer in the browser.
 
-A message is a row of records: the payload's length (four bytes, little-endian), one byte that says what it
-is, the payload.
+A message is a sequence of records. Each consists of the payload's length (four bytes, little-endian), the record's kind
+(one byte) and the payload.
 """
 
 import logging
@@ -22,12 +22,12 @@ from tutorial.handoff import ThreadGuard
 logger = logging.getLogger(__name__)
 
 LINE_LENGTH = 200
-"""The most characters that the line under the view has."""
+"""The largest number of characters in the line below the view."""
 
 Sink = Callable[[bytes], None]
 Vector = tuple[float, float, float]
 Key = tuple[str, str, str]
-"""What a record changes: its kind, a path, and a property. A later record replaces one with the same key."""
+"""Identifies what a record changes: kind, path and property. A later record with the same key replaces it."""
 
 LINE: Key = ("line", "", "")
 CAMERA: Key = ("camera", "", "")
@@ -38,25 +38,25 @@ _FLOAT32 = 0x17
 
 
 class Record(IntEnum):
-    """What a record of a message holds. ``static/scene.js`` has the same numbers."""
+    """The kinds of records. ``static/scene.js`` uses the same numbers."""
 
     COMMAND = 0
     """One meshcat command, in MessagePack."""
     LINE = 1
-    """The line under the view, in UTF-8."""
+    """The line below the view, in UTF-8."""
     CLEAR = 2
-    """Empty. The whole scene follows; it is always the first record."""
+    """Empty, and always the first record. The whole scene follows."""
     CAMERA = 3
-    """The camera's position and what it looks at [m]: six doubles, little-endian."""
+    """The camera's position and target [m]: six doubles, little-endian."""
 
 
 def pack_command(command: dict[str, Any]) -> bytes:
-    """Write a meshcat command as its viewer reads it. numpy's arrays become a Float32Array, in one row."""
+    """Serialise a meshcat command for its viewer. NumPy arrays become flat Float32Arrays."""
     return msgpack.encode(command, enc_hook=_packed)
 
 
 def unpack_command(payload: bytes) -> dict[str, Any]:
-    """Read a command again, its Float32Arrays as ``(n,)``."""
+    """Parse a serialised command, with Float32Arrays as arrays of shape ``(n,)``."""
     return msgpack.decode(payload, type=dict[str, Any], ext_hook=lambda _code, data: np.frombuffer(data, "<f4"))
 
 
@@ -65,12 +65,12 @@ def _packed(array: NDArray[np.float64]) -> msgpack.Ext:
 
 
 def pack_record(kind: Record, payload: bytes) -> bytes:
-    """Frame one record. A message is nothing but records one after the other."""
+    """Serialise one record. Concatenated records form a message."""
     return _HEAD.pack(len(payload), kind) + payload
 
 
 def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
-    """Take a message apart."""
+    """Split a message into its records."""
     records, start = [], 0
     while start < len(message):
         length, kind = _HEAD.unpack_from(message, start)
@@ -80,14 +80,14 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 
 
 class Scene:
-    """Keeps what was drawn, and sends what changes to those that are attached, in one message a frame.
+    """Keeps everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
 
-    It belongs to the thread that made it. What it holds does not grow with time: of each object, transform
-    and property only the last one is kept, in the order in which they were last set, which is all that the
-    picture depends on. What a viewer has to begin with, such as its grid, can be hidden, but not deleted.
+    Use it on the thread that made it. Its size does not grow with time: of each object, transform and property it keeps
+    only the latest, in the order of the last change, which is all that determines the picture. A viewer's built-in
+    objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
-        catch_up: draws what was not drawn because nobody was attached.
+        catch_up: draws what was skipped while no sink was attached.
     """
 
     def __init__(self) -> None:
@@ -99,64 +99,63 @@ class Scene:
 
     @property
     def watched(self) -> bool:
-        """Whether anyone is attached. While nobody is, nothing needs to be drawn: `snapshot` catches up."""
+        """Whether a sink is attached. Without one nothing needs to be drawn, because `snapshot` catches up."""
         return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:
-        """Take one meshcat command. Those who are attached see it after the next `flush`.
+        """Accept one meshcat command. The attached sinks receive it at the next `flush`.
 
         Args:
-            message: such as ``{"type": "delete", "path": "/Bodies/Tank"}``.
+            message: a command such as ``{"type": "delete", "path": "/Bodies/Tank"}``.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.send_message")
         kind, path = message["type"], message["path"]
         if kind == "set_object":
-            path = f"{path}/<object>"  # the viewer's name for it
+            path = f"{path}/<object>"  # as the viewer calls it
         key = (kind, path, message.get("property", ""))
         if kind == "delete" or (kind == "set_object" and key in self._kept):
-            self._forget(path)  # with its properties, which a new object comes without
+            self._forget(path)  # and its properties, which a new object does not inherit
         self._put(key, pack_record(Record.COMMAND, pack_command(message)), keep=kind != "delete")
 
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
-        """Write one line under the view, and a small table below it. Without both there is nothing.
+        """Write one line below the view, and a small table below that. If both are empty, nothing is shown.
 
-        They are shown as text, never as HTML. White space counts as one space, and what is longer than
-        `LINE_LENGTH` is cut.
+        They are shown as text, never as HTML. White space is collapsed, and texts longer than `LINE_LENGTH` are cut.
 
         Args:
-            text: of the line.
-            table: rows of cells. Those of the first row, and the first of each row, are headings.
+            text: the text of the line.
+            table: rows of cells. The first row and the first column are headings.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.line")
         lines = [_cut(text), *("\t".join(map(_cut, row)) for row in table)]
         self._put(LINE, pack_record(Record.LINE, "\n".join(lines).encode("utf-8", "replace")))
 
     def look_at(self, position: Vector, target: Vector) -> None:
-        """Place the camera. A view that was turned by hand stays as it is until the next call.
+        """Place the camera. A view that the user has turned stays that way until the next call.
 
         Args:
-            position: of the camera [m].
-            target: the point in the middle of the picture [m], which the mouse turns the view about.
+            position: the camera's position [m].
+            target: the point in the middle of the picture [m], about which the mouse turns the view.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.look_at")
         self._put(CAMERA, pack_record(Record.CAMERA, _CAMERA.pack(*position, *target)))
 
     def flush(self) -> None:
-        """Hand what changed since the last flush to everyone attached, as one message; if anything did.
+        """Send all changes since the last flush to the attached sinks as one message. Without changes, send nothing.
 
-        A sink that raises is logged and detached; the others still get theirs.
+        If a sink raises an exception, log it and detach the sink; the other sinks still receive the message.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.flush")
         if not self._frame:
@@ -167,14 +166,14 @@ class Scene:
             try:
                 sink(message)
             except Exception:
-                logger.exception("A view of the scene failed and is not shown any more.")
+                logger.exception("A view of the scene failed and is no longer updated.")
                 self.detach(sink)
 
     def snapshot(self) -> bytes:
-        """The whole scene as one message: what it shows is what all messages so far would have shown.
+        """Return the whole scene as one message, which replaces all messages so far.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.snapshot")
         if not self.watched:
@@ -182,20 +181,20 @@ class Scene:
         return pack_record(Record.CLEAR, b"") + b"".join(self._kept.values())
 
     def attach(self, sink: Sink) -> None:
-        """Have every later message handed to `sink`. Show it a `snapshot` first. Idempotent.
+        """Pass every later message to `sink`, which needs a `snapshot` first. Idempotent.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.attach")
         if sink not in self._sinks:
             self._sinks.append(sink)
 
     def detach(self, sink: Sink) -> None:
-        """Hand nothing more to `sink`. It need not be attached.
+        """Stop passing messages to `sink`, if it is attached.
 
         Raises:
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         self._guard.check("Scene.detach")
         if sink in self._sinks:
@@ -205,20 +204,20 @@ class Scene:
 
     def _put(self, key: Key, record: bytes, keep: bool = True) -> None:
         if keep:
-            self._kept.pop(key, None)  # it goes to the end
+            self._kept.pop(key, None)  # to move it to the end
             self._kept[key] = record
         if self._sinks:
             self._frame.pop(key, None)
             self._frame[key] = record
 
     def _forget(self, path: str) -> None:
-        """Drop all records of a path, and of those below it."""
+        """Drop all records of a path and of the paths below it."""
         for records in (self._kept, self._frame):
             for key in [key for key in records if f"{key[1]}/".startswith(f"{path}/")]:
                 del records[key]
 
 
 def _cut(text: str) -> str:
-    """Write a text as one line, not longer than `LINE_LENGTH`."""
+    """Collapse a text into one line of at most `LINE_LENGTH` characters."""
     line = " ".join(text.split())
     return line if len(line) <= LINE_LENGTH else line[: LINE_LENGTH - 1] + "…"

@@ -1,7 +1,7 @@
-"""MuJoCo's geoms as the objects that meshcat's viewer draws: three.js in JSON.
+"""MuJoCo's geoms as objects for meshcat's viewer, in three.js's JSON format.
 
-Written out here rather than with ``meshcat.geometry``, which has no capsules, planes or lights, and whose
-import brings ZMQ, IPython and Pillow along (0.3 s and a deprecation warning).
+This module does not use ``meshcat.geometry``, because that has no capsules, planes or lights, and imports ZMQ, IPython
+and Pillow (0.3 s and a deprecation warning).
 """
 
 from typing import Any
@@ -20,32 +20,32 @@ Geom = mujoco.mjtGeom
 NOT_DRAWN = (Geom.mjGEOM_HFIELD, Geom.mjGEOM_SDF)
 
 ENDLESS = 20.0
-"""A plane of size 0 is endless in MuJoCo; here it is this long and wide [m]."""
+"""The length and width [m] of a plane that is infinite in MuJoCo (size 0)."""
 
 FRONT, BOTH = 0, 2
-"""Which sides of a surface three.js draws."""
+"""three.js's constants for the sides of a surface to draw."""
 
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-"""Three.js stands its cylinders along y, MuJoCo along z."""
+"""In three.js the axis of a cylinder is y, in MuJoCo it is z."""
 
 
 def is_drawn(model: mujoco.MjModel, geom: int) -> bool:
-    """Say whether a geom is in a visible group, not fully transparent and of a shape that can be drawn."""
+    """Return whether a geom is in a visible group, not fully transparent, and of a supported shape."""
     return is_seen(model, geom) and Geom(model.geom_type[geom]) not in NOT_DRAWN
 
 
 def draw_geom(model: mujoco.MjModel, geom: int, uuid: str) -> Json:
-    """Write one geom as the object of a ``set_object`` command.
+    """Return a geom as the object of a ``set_object`` command.
 
     Args:
         model: the geom's model.
-        geom: its number.
-        uuid: a name for the object that nothing else in the scene has.
+        geom: the geom's id.
+        uuid: a unique name for the object.
 
     Returns:
-        The object, placed as the geom is in its MuJoCo body [m].
+        The object, in the geom's pose relative to its MuJoCo body [m].
     """
     geometry, basis = _geometry(model, geom)
     place = pose(model.geom_pos[geom], model.geom_quat[geom]) @ basis
@@ -53,24 +53,24 @@ def draw_geom(model: mujoco.MjModel, geom: int, uuid: str) -> Json:
 
 
 def draw_arrow(uuid: str, colour: int) -> Json:
-    """Write an arrow, 1 m long along z, as the object of a ``set_object`` command.
+    """Return an arrow, 1 m long along z, as the object of a ``set_object`` command.
 
     Args:
-        uuid: a name for the object that nothing else in the scene has.
+        uuid: a unique name for the object.
         colour: as 0xRRGGBB.
     """
-    outline = ((0.0, 0.0), (0.012, 0.0), (0.012, 0.75), (0.035, 0.75), (0.0, 1.0))  # from the axis, and along it [m]
+    outline = ((0.0, 0.0), (0.012, 0.0), (0.012, 0.75), (0.035, 0.75), (0.0, 1.0))  # (radius, height) [m]
     material = {"type": "MeshPhongMaterial", "color": colour, "emissive": colour // 2 & 0x7F7F7F, "side": BOTH}
     return _mesh_object(uuid, _lathe(np.array(outline)), material, _Y_TO_Z)
 
 
 def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **settings: Any) -> Json:
-    """Write a light, for instance a ``"DirectionalLight"``, as the object of a ``set_object`` command.
+    """Return a light, for instance a ``"DirectionalLight"``, as the object of a ``set_object`` command.
 
     Args:
         kind: the light's class in three.js.
-        position: where it stands [m]; a directional light shines from there to the origin.
-        settings: the light's JSON, for instance ``intensity``.
+        position: the position [m]; a directional light shines from there to the origin.
+        settings: further JSON fields of the light, for instance ``intensity``.
     """
     return {
         "metadata": {"version": 4.5, "type": "Object"},
@@ -94,12 +94,12 @@ def _mesh_object(uuid: str, geometry: Json, material: Json, place: Matrix) -> Js
 
 
 def _column_by_column(matrix: Matrix) -> list[float]:
-    """A 4 x 4 matrix as three.js stores it."""
+    """Return the elements of a 4 x 4 matrix in three.js's order."""
     return list(matrix.T.ravel().tolist())
 
 
 def _geometry(model: mujoco.MjModel, geom: int) -> tuple[Json, Matrix]:
-    """The geometry's JSON, and the 4 x 4 matrix that takes it into the geom's own frame."""
+    """Return the geometry's JSON, and the 4 x 4 matrix that transforms it into the geom's frame."""
     x, y, z = model.geom_size[geom].tolist()
     basis = np.eye(4)
     geometry: Json
@@ -123,23 +123,23 @@ def _geometry(model: mujoco.MjModel, geom: int) -> tuple[Json, Matrix]:
 
 
 def _capsule(radius: float, half: float) -> Json:
-    """Turn a capsule's outline about its axis: meshcat's three.js is older than CapsuleGeometry."""
-    angles = np.linspace(-np.pi / 2, np.pi / 2, 18)  # an even number: half of them for each end
+    """Revolve a capsule's outline, because meshcat's three.js is older than CapsuleGeometry."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 18)  # an even number: half for each end
     across = np.abs(radius * np.cos(angles))
     along = radius * np.sin(angles) + np.where(angles > 0, half, -half)
     return _lathe(np.column_stack([across, along]))
 
 
 def _lathe(outline: Array) -> Json:
-    """What an outline, (n, 2), makes when it is turned about the second axis."""
+    """Return the surface of revolution of an outline, (n, 2), about the second axis."""
     points = [{"x": x, "y": y} for x, y in outline.tolist()]
     return {"type": "LatheGeometry", "points": points, "segments": 24, "phiStart": 0.0, "phiLength": 2 * np.pi}
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> Json:
-    """Take a mesh with MuJoCo's own normals, which keep sharp edges sharp.
+    """Return a mesh with MuJoCo's own normals, which keep sharp edges sharp.
 
-    The geom's pose has the mesh's baked in.
+    The geom's pose already includes the mesh's.
     """
     mesh = model.geom_dataid[geom]
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
@@ -154,7 +154,7 @@ def _floats(rows: NDArray[np.float32]) -> Json:
 
 
 def _material(model: mujoco.MjModel, geom: int) -> Json:
-    """Paint as MuJoCo does, roughly: its colour, transparency, gloss and glow."""
+    """Approximate MuJoCo's material: its colour, transparency, shininess and emission."""
     colour, material = colour_of(model, geom), model.geom_matid[geom]
     specular, shininess, emission = 0.5, 0.5, 0.0
     if material >= 0:

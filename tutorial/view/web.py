@@ -1,7 +1,7 @@
-"""Serves the 3D view to browsers on this machine: for programs outside Jupyter.
+"""Serves the 3D view to browsers on this machine, for programs outside Jupyter.
 
-The server is part of the program: no thread, no second process. It lives on the event loop of the main
-thread and is gone when the program is, however it ends.
+The server has no thread or process of its own. It runs on the main thread's event loop, and so ends with the program,
+however that ends.
 """
 
 from __future__ import annotations
@@ -24,38 +24,38 @@ from tutorial.view.scene import Scene
 
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
-"""The first free one is taken."""
+"""The server uses the first free one."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
     "worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'"
 )
-"""The browser lets the page load from its own origin only."""
+"""Makes the browser load everything from the page's own origin."""
 
 BACKLOG = 1 << 18
-"""What the system holds for one browser [bytes]. One that is further behind misses frames."""
+"""The size of the socket's send buffer [bytes]. A browser that is further behind skips frames."""
 
 OWN_HOSTS = r"127\.0\.0\.1|localhost"
-"""The names by which a browser reaches this server. A page from elsewhere can have its own name lead to this machine
-(DNS rebinding): it is not found here. One that asks by the right name is of another origin, and gets no socket."""
+"""The host names that this server answers to. A foreign page whose own name resolves to this machine (DNS rebinding)
+gets "not found". A foreign page that uses the right name has a different origin, and is refused the socket."""
 
 LARGEST_BODY = 1024
-"""Of a request, which needs none [bytes]."""
+"""The size limit of a request's body [bytes]; no request needs one."""
 
 
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
-    """A page that shows a scene, on this machine only, as long as an ``async with`` block runs.
+    """Serves a page that shows a scene, on this machine only, during an ``async with`` block.
 
-    It belongs to the scene's thread, whose event loop is running. Leaving the block closes the connections to the
-    browsers and frees the port.
+    Use it on the scene's thread, while its event loop runs. Leaving the block closes all connections and frees the
+    port.
 
     Args:
-        scene: what to show.
-        port: where to serve; 0 for any that is free, None for the first free one from 7000 on.
-        title: of the page.
+        scene: the scene to show.
+        port: the port; 0 for any free one, None for the first free one from 7000.
+        title: the title of the page.
 
     Attributes:
-        url: where the page is, for instance ``http://127.0.0.1:7000/``.
+        url: the page's address, for instance ``http://127.0.0.1:7000/``.
 
     Raises:
         TutorialError: the port is in use or not allowed.
@@ -85,10 +85,10 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
 
 def _listen(ports: Sequence[int]) -> socket.socket:
-    """Take the first of these ports, of this machine's own address, that can be had.
+    """Listen on the first available port, at the loopback address.
 
     Raises:
-        TutorialError: there is none.
+        TutorialError: no port is available.
     """
     reason = ""
     for port in ports:
@@ -97,7 +97,7 @@ def _listen(ports: Sequence[int]) -> socket.socket:
         except OSError as error:
             reason = os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
-    raise TutorialError(f"the 3D view cannot have {which}: {reason}. Give another one, or none for the first free one.")
+    raise TutorialError(f"the 3D view cannot use {which}: {reason}. Give a free port, or none to have one chosen.")
 
 
 class _Protected(RequestHandler):
@@ -113,11 +113,11 @@ class _Page(_Protected):
 
 
 class _Files(_Protected, StaticFileHandler):
-    """A file of the page's."""
+    """Serves a file of the page."""
 
 
 class _Browser(WebSocketHandler):
-    """One page that looks at the scene: it gets the whole scene, then each frame that it can keep up with."""
+    """The connection to one page. It sends the whole scene, then every frame that the page can keep up with."""
 
     def initialize(self, scene: Scene, browsers: set[_Browser]) -> None:
         self.scene = scene
@@ -125,7 +125,7 @@ class _Browser(WebSocketHandler):
         self.is_behind = False
 
     def open(self, *_args: str, **_kwargs: str) -> None:
-        if self._stream.closed():  # the page has gone already
+        if self._stream.closed():  # the page is already gone
             return
         self.set_nodelay(True)
         self._stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BACKLOG)
@@ -134,21 +134,21 @@ class _Browser(WebSocketHandler):
         self.scene.attach(self.show)
 
     def on_message(self, message: str | bytes) -> None:
-        """Ignore it: the page sends nothing."""
+        """Ignore the message: the page never sends any."""
 
     def on_close(self) -> None:
         self.browsers.discard(self)
         self.scene.detach(self.show)
 
     def show(self, message: bytes) -> None:
-        """Send one frame, unless an earlier one still waits: then all is sent when that is gone."""
+        """Send a frame. If an earlier one is still being sent, send the whole scene after that instead."""
         if self._stream.writing():
             self.is_behind = True
         else:
             self._send(message)
 
     def leave(self) -> None:
-        """Close the connection, also if the other side does not answer."""
+        """Close the connection, even if the browser does not answer."""
         self.on_close()
         stream = self._stream
         self.close(1001, "the program has ended")

@@ -163,7 +163,7 @@ def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(desk):
         await hands.cause(0, 1, 0, 0)
         await page.mouse.up()
         await notebook.run_new("stick.end()")
-        await page.get_by_text("Closed. Run its cell again, and the joystick comes back.").wait_for()
+        await page.get_by_text("Closed. Run the cell again to get a joystick.").wait_for()
         await notebook.save()
 
     with NodeThread("listener") as thread:

@@ -1,8 +1,8 @@
-// What the widgets with a page of their own have in common: the page's side of tutorial/notebook/widgets/cell_widget.py.
+// Shared code of the widgets with their own JavaScript: the page's side of tutorial/notebook/widgets/cell_widget.py.
 
 const LOST = new Set(["restarting", "autorestarting", "terminating", "dead"]);
 
-/** Say something to the kernel, unless the widget has been closed there. */
+/** Send a message to the kernel, unless the widget has been closed there. */
 function send(model, message) {
   try {
     model.send(message);
@@ -12,8 +12,8 @@ function send(model, message) {
 }
 
 /**
- * Tell when the kernel has ended, for good as far as its widgets go, and when the connection to it is lost or there again.
- * Returns how to stop. Only JupyterLab lets its widgets see the kernel.
+ * Call onEnd when the kernel has ended or restarted, and onConnection when the connection to it is lost or restored.
+ * Returns a function that stops this. Only JupyterLab gives widgets access to the kernel.
  */
 function watchKernel(model, onEnd, onConnection) {
   const kernel = model.widget_manager?.kernel;
@@ -42,19 +42,19 @@ function watchKernel(model, onEnd, onConnection) {
 }
 
 /**
- * One view of a widget that sends frames: the page's side of tutorial/notebook/widgets/frame_widget.py. A cell may be shown
- * twice, and a notebook on two pages. Those that extend it say how to `show` content, and what else happens at which moment.
+ * One view of a widget that sends frames: the page's side of tutorial/notebook/widgets/frame_widget.py. A widget can
+ * have several views, in several cells and on several pages. Subclasses implement `show` and extend the other handlers.
  */
 class FrameView {
-  static every = 1;  // how many frames come for one answer
-  static patience = {first: 2000, most: 30000};  // until the kernel is asked once more [ms]
-  static pulse = 60000;  // between two words that the page is still here [ms]
+  static every = 1;  // acknowledge every n-th frame
+  static patience = {first: 2000, most: 30000};  // between two requests to the kernel [ms]
+  static pulse = 60000;  // between two signs of life [ms]
 
   constructor(model) {
     this.model = model;
     this.id = `${Date.now().toString(36)}-${Math.random().toString(36).slice(2)}`;
-    this.isGone = false;  // the kernel, and with it the widget; or the view
-    this.isShown = false;  // the whole has come
+    this.isGone = false;  // the kernel has ended, or the view is disposed
+    this.isShown = false;  // the whole content has arrived
     this.onMessage = this.onMessage.bind(this);
     this.onEnded = this.onEnded.bind(this);
     this.leave = () => this.say("bye");
@@ -69,7 +69,7 @@ class FrameView {
     if (!this.isGone) send(this.model, {type, view: this.id, ...more});
   }
 
-  /** Ask for the whole until it has come. */
+  /** Request the whole content until it arrives. */
   connect(patience = FrameView.patience.first) {
     clearTimeout(this.timer);
     if (this.isGone || this.isShown) return;
@@ -88,7 +88,7 @@ class FrameView {
     this.isShown = true;
     this.show(message, buffers[0]);
     if (!isWhole && frame % this.constructor.every !== 0) return;
-    // Not before the browser has come to draw it: a page that is slow, or not looked at, asks for less.
+    // Acknowledge when the browser draws: a page that is slow or hidden receives fewer frames.
     requestAnimationFrame(() => this.say("seen", {frame}));
   }
 
@@ -117,7 +117,7 @@ class FrameView {
   }
 }
 
-/** What a widget exports whose views are of a class. */
+/** The module's default export for a widget with this class of views. */
 function showing(View) {
   return {
     render({model, el}) {

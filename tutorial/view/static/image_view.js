@@ -1,10 +1,10 @@
-// Draws the pictures of a topic in a cell: the page's side of tutorial/notebook/widgets/image_view.py. make.js and cell.js
-// stand before this text in the same module.
+// Draws the images of a topic in a cell: the page's side of tutorial/notebook/widgets/image_view.py. make.js and
+// cell.js precede this file in the same module.
 
-const PLACES = {rgb8: [0, 1, 2], bgr8: [2, 1, 0], mono8: [0, 0, 0]};  // where red, green and blue are in a pixel
+const PLACES = {rgb8: [0, 1, 2], bgr8: [2, 1, 0], mono8: [0, 0, 0]};  // positions of red, green and blue in a pixel
 const BYTES = {rgb8: 3, bgr8: 3, mono8: 1};
 
-/** Make what a canvas takes, four bytes for a pixel, of the bytes of a message. */
+/** Convert a message's bytes to the four bytes per pixel that a canvas needs. */
 function imageData(bytes, width, height, encoding) {
   const image = new ImageData(width, height);
   const [red, green, blue] = PLACES[encoding];
@@ -22,7 +22,7 @@ function imageData(bytes, width, height, encoding) {
 class PictureView extends FrameView {
   constructor(model, el) {
     super(model);
-    this.canvas = make("canvas", "", {role: "img", "aria-label": `the pictures on ${model.get("title")}`});
+    this.canvas = make("canvas", "", {role: "img", "aria-label": `the images on ${model.get("title")}`});
     [this.canvas.width, this.canvas.height] = [320, 240];
     this.line = make("div", "tank-image-line");
     this.text = "";

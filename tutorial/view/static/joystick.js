@@ -1,9 +1,9 @@
-// Two sticks in a notebook's cell: the page's side of tutorial/notebook/widgets/joystick.py. Left and up are +1, as in ROS 2.
-// cell.js stands before this text in the same module.
+// Two sticks in a notebook's cell: the page's side of tutorial/notebook/widgets/joystick.py. Left and up are +1, as in
+// ROS 2. make.js and cell.js precede this file in the same module.
 
-const REPEAT = 100;  // while a stick is held, the page says so this often [ms]; the kernel waits for 500
-const CALM = 600;  // what is read aloud has stayed the same so long [ms]
-const REACH = 0.28, KNOB = 0.44;  // how far a knob goes, and how large it is; the pad's width is 1
+const REPEAT = 100;  // interval of messages while a stick is held [ms]; the kernel releases the sticks after 500
+const CALM = 600;  // how long the sticks have to stay unchanged before they are read aloud [ms]
+const REACH = 0.28, KNOB = 0.44;  // range and size of a knob, relative to the pad's width
 const NOTHING = {axes: Array(6).fill(0), buttons: Array(15).fill(0)};
 const STICKS = [
   {name: "left stick", keys: "W A S D", does: "drives", left: "KeyA", right: "KeyD", up: "KeyW", down: "KeyS"},
@@ -15,14 +15,14 @@ const KEYS = new Set(STICKS.flatMap(({left, right, up, down}) => [left, right, u
 const BUTTONS = [0, 1, 2, 3, 8, 16, 9, 10, 11, 4, 5, 12, 13, 14, 15];
 const TRIGGERS = [6, 7];
 const ENDED = "The kernel has ended or was restarted. Run the notebook's cells again to get a joystick.";
-const CLOSED = "Closed. Run its cell again, and the joystick comes back.";
-const OFFLINE = "The connection to Jupyter is lost: nothing is driven until it is back.";
-const UNKNOWN = "The browser does not know how this gamepad is laid out, so it is not used: ";
-const NO_GAMEPAD = "Drag a stick, or click here and press keys, or connect a gamepad and press one of its buttons.";
+const CLOSED = "Closed. Run the cell again to get a joystick.";
+const OFFLINE = "The connection to Jupyter is lost. The joystick works again when it is back.";
+const UNKNOWN = "The browser does not know this gamepad's layout, so it is not used: ";
+const NO_GAMEPAD = "Drag a stick, click here and press keys, or connect a gamepad and press one of its buttons.";
 
 const clamp = (value) => Math.max(-1, Math.min(value, 1)) || 0;
 
-/** What a gamepad with the standard mapping says. ROS 2's joy package turns every axis round: left and up are positive, triggers negative. */
+/** Read a gamepad with the standard mapping. As in ROS 2's joy package, left and up are positive, triggers negative. */
 export function readGamepad({axes, buttons}) {
   return {
     axes: [...axes.slice(0, 4).map((axis) => clamp(-axis)), ...TRIGGERS.map((i) => clamp(-buttons[i]?.value))],
@@ -30,12 +30,12 @@ export function readGamepad({axes, buttons}) {
   };
 }
 
-/** Of several hands on one stick, the one that pulls hardest counts. */
+/** Combine several inputs of one axis: the strongest counts. */
 function strongest(...values) {
   return values.reduce((best, value) => (Math.abs(value) > Math.abs(best) ? value : best), 0);
 }
 
-/** One stick: a pad with a knob that a mouse or a finger drags, and that springs back. */
+/** One stick: a pad with a knob that can be dragged and springs back. */
 class Pad {
   constructor({name, keys, does}, onChange, takeFocus) {
     this.value = [0, 0];  // left, up
@@ -91,7 +91,7 @@ class Pad {
   }
 }
 
-/** What a screen reader says of the sticks. */
+/** Describe the sticks for screen readers. */
 function inWords(axes) {
   const one = (name, left, up) => {
     const parts = [[left, "left", "right"], [up, "up", "down"]]
@@ -105,7 +105,7 @@ function inWords(axes) {
 class CellView {
   constructor(model, el) {
     this.model = model;
-    this.down = new Set();  // the keys
+    this.down = new Set();  // the pressed keys
     this.sent = JSON.stringify(NOTHING);
     this.sentAt = -Infinity;
     this.changedAt = 0;
@@ -171,7 +171,7 @@ class CellView {
     this.update();
   }
 
-  /** What all hands do together. */
+  /** Combine pads, keys and gamepad. */
   read() {
     const gamepad = document.hidden ? null : this.gamepad();
     const {axes, buttons} = gamepad ? readGamepad(gamepad) : NOTHING;
@@ -191,13 +191,13 @@ class CellView {
     return this.gamepads().find(({mapping}) => mapping === "standard");
   }
 
-  /** What there is to say of gamepads. */
+  /** The line about gamepads below the sticks. */
   greeting() {
     const gamepad = this.gamepad(), [other] = this.gamepads();
     return gamepad ? `Gamepad: ${gamepad.id}` : other ? `${UNKNOWN}${other.id}. ${NO_GAMEPAD}` : NO_GAMEPAD;
   }
 
-  /** Send what has changed, and what is held once more now and then. */
+  /** Send changes at once, and repeat held sticks regularly. */
   update() {
     const state = this.read(), text = JSON.stringify(state), now = performance.now();
     const isHeld = [...state.axes, ...state.buttons].some((value) => value !== 0);
@@ -219,7 +219,7 @@ class CellView {
     if (isCalm && this.aloud.textContent !== words) this.aloud.textContent = words;
   }
 
-  // A gamepad sends no events: where there is one, it is read as often as the page is drawn.
+  // A gamepad sends no events, so it is read at every animation frame.
   tick() {
     this.request = this.gamepad() ? requestAnimationFrame(this.tick) : 0;
     if (this.request) this.update();

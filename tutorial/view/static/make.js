@@ -1,4 +1,4 @@
-// What every script here that builds a part of a page begins with.
+// Creates elements. The scripts that build a part of a page start with this file.
 
 function make(tag, className, attributes = {}, text = "") {
   const element = document.createElement(tag);

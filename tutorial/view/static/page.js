@@ -1,4 +1,4 @@
-// The page of tutorial/view/web.py: a meshcat viewer, connected to the program for as long as it runs, and again when it is restarted.
+// The page of tutorial/view/web.py: a meshcat viewer that connects to the program, and reconnects when it is restarted.
 
 import {fit, makeViewer, noGraphics, sayBelow, SceneReader} from "./scene.js";
 
@@ -23,7 +23,7 @@ function connect(reader, patience = PATIENCE.first) {
     curtain.hidden = true;
   };
   socket.onclose = () => {
-    if (curtain.hidden) say("The program has ended.", "Start it again, and it appears here by itself.");
+    if (curtain.hidden) say("The program has ended.", "Start it again, and its view appears here.");
     setTimeout(() => connect(reader, Math.min(2 * patience, PATIENCE.most)), patience);
   };
 }

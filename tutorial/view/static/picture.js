@@ -1,9 +1,9 @@
-// Shows the SVG of tutorial/notebook/widgets/picture.py in a cell. Names in it come from the network, so it is taken apart by the parser, and only
-// shapes and text get into the page.
+// Shows the SVG of tutorial/notebook/widgets/picture.py in a cell. It contains names from the network, so it is parsed,
+// and only shapes and text get into the page.
 
 const SHAPES = new Set(["svg", "g", "title", "line", "path", "polyline", "polygon", "rect", "circle", "ellipse", "text", "tspan"]);
 
-/** Leave nothing but shapes, without handlers and links. */
+/** Remove everything but shapes and text, and all handlers and links. */
 function tidy(element) {
   for (const child of [...element.children]) {
     if (SHAPES.has(child.localName)) tidy(child);
@@ -14,7 +14,7 @@ function tidy(element) {
   }
 }
 
-/** The picture as an element of this page; null if the text is no picture. */
+/** Parse a picture into an element of this page; null if the text is not an SVG. */
 export function parse(text) {
   const root = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
   if (root.localName !== "svg" || root.querySelector("parsererror")) return null;
@@ -22,7 +22,7 @@ export function parse(text) {
   return document.adoptNode(root);
 }
 
-/** Have one picture look like another, and stay the same element: whoever reads or points at it keeps it. */
+/** Replace the content of a picture but keep its element, with a screen reader's focus and the pointer on it. */
 function become(shown, picture) {
   for (const {name} of [...shown.attributes]) shown.removeAttribute(name);
   for (const {name, value} of [...picture.attributes]) shown.setAttribute(name, value);

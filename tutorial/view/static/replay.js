@@ -1,17 +1,17 @@
-// Plays runs again: the page's side of tutorial/view/replay.py. make.js, scene.js and viewer.js stand
-// before this text in the same script.
+// Replays runs: the page's side of tutorial/view/replay.py. make.js, scene.js and viewer.js precede this file in the
+// same script.
 
-const NEAR = "300px";  // of the window: a picture is made as soon as it is so near, and let go when it is farther away
-const SHORTEST = 0.1;  // that is worth a slider [s]
+const NEAR = "300px";  // pictures exist only within this distance from the window
+const SHORTEST = 0.1;  // duration of a run that gets a slider [s]
 const SHOWN_JOINTS = 6;
 
-/** What was compressed and written as text. */
+/** Decode and decompress data. */
 async function unpacked(text) {
   const zipped = Uint8Array.from(atob(text.trim()), (character) => character.charCodeAt(0));
   return new Response(new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }
 
-/** The number of the last of these times that has come. */
+/** The index of the last of these times that is not after `time`. */
 function at(times, time) {
   let from = 0, to = times.length;
   while (to - from > 1) {
@@ -22,12 +22,12 @@ function at(times, time) {
   return from;
 }
 
-/** A joint's position; one that came as no number is not known. */
+/** Format a joint's position; "?" if it is unknown. */
 function inFigures(position) {
   return Number.isFinite(position) ? position.toFixed(3).replace("-", "−") : "?";
 }
 
-/** One run: its picture, a button, a slider, and where the joints are. */
+/** One run: its picture, a button, a slider, and the joints' positions. */
 class Replay {
   constructor(figure, timeline, scene) {
     Object.assign(this, timeline);
@@ -73,7 +73,7 @@ class Replay {
     }, {rootMargin: NEAR}).observe(this.pane);
   }
 
-  /** Make the picture: a browser has only a few, so those that nobody can see have none. */
+  /** Make the picture. Browsers allow few WebGL contexts, so runs far from the window have none. */
   open() {
     if (this.picture) return;
     try {
@@ -84,7 +84,7 @@ class Replay {
     }
     new SceneReader(this.picture.viewer, () => {}).read(this.scene);
     const {animator} = this.picture.viewer;
-    animator.play();  // what has never been played cannot be moved by hand
+    animator.play();  // the animator can seek only after it has played
     animator.pause();
     this.curtain.hidden = true;
     this.seek(this.time);
@@ -135,7 +135,7 @@ class Replay {
     sayBelow(this.line, line && line[0] <= time ? line[1] : "");
   }
 
-  /** Where a joint is [rad], or [m]: between two frames it moves evenly, as the picture does. NaN if it is not known. */
+  /** A joint's position [rad], or [m], interpolated between two frames as in the picture; NaN if unknown. */
   position(name) {
     const {times, time} = this, i = at(times, time), j = Math.min(i + 1, times.length - 1);
     const values = this.joints[name].map((value) => value ?? NaN);
@@ -154,7 +154,7 @@ class Replay {
 async function startReplays() {
   const viewer = document.getElementById("tank-viewer");
   if (viewer) takeLibrary(Uint8Array.from(atob(viewer.textContent.trim()), (character) => character.charCodeAt(0)));
-  else library().resolve();  // the page has it from a script of its own
+  else library().resolve();  // the page has loaded it with its own script
   for (const figure of document.querySelectorAll(".tank-replay")) {
     try {
       const [timeline, scene] = await Promise.all(
@@ -162,7 +162,7 @@ async function startReplays() {
       await library().ready;
       new Replay(figure, JSON.parse(new TextDecoder().decode(timeline)), scene);
     } catch (error) {
-      console.error("a run cannot be played again:", error);
+      console.error("a run cannot be replayed:", error);
       figure.append(`This run cannot be shown here: ${error.message}`);
     }
   }

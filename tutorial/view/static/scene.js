@@ -1,25 +1,25 @@
 // Feeds the messages of tutorial/view/scene.py to a meshcat viewer, in a page or in a notebook cell.
 
-const COMMAND = 0, LINE = 1, CLEAR = 2, CAMERA = 3;  // as Record in tutorial/view/scene.py
-const ONLY_ONCE = new Set(["Background", "Cameras"]);  // of what a viewer has to begin with, it can make all else anew
+const COMMAND = 0, LINE = 1, CLEAR = 2, CAMERA = 3;  // as in Record in tutorial/view/scene.py
+const ONLY_ONCE = new Set(["Background", "Cameras"]);  // the built-in objects that a viewer cannot create again
 
-const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;  // what draws where there is no graphics card
-const PAUSE = 100;  // between two pictures, there [ms]
+const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;  // renderers that need no graphics card
+const PAUSE = 100;  // between two pictures without a graphics card [ms]
 
-/** What a page says where a viewer cannot be made: a title, and a hint. */
+/** The title and hint to show if a viewer cannot be made. */
 export const noGraphics = ({message}) =>
-  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${message}`];
+  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. The error was: ${message}`];
 
-/** Whether a canvas is drawn by a graphics card. Some browsers don't say; then it is. */
+/** Whether a graphics card draws a canvas. If the browser does not reveal it, assume that it does. */
 function hasCard(gl) {
   const names = gl.getExtension("WEBGL_debug_renderer_info");
   return !names || !BY_PROCESSOR.test(gl.getParameter(names.UNMASKED_RENDERER_WEBGL));
 }
 
 /**
- * A meshcat viewer in an element, which draws when something has changed. Where the processor has to draw, a third of the
- * work is left: no shadows, no smooth edges, and ten pictures a second. The simulation and the page need the processor, too.
- * isSeen: whether it is worth while. Returns the viewer, and how to let it go.
+ * Make a meshcat viewer in an element, which draws when something has changed. Without a graphics card, it saves two
+ * thirds of the processor time for the simulation and the page: no shadows, no antialiasing, ten pictures a second.
+ * isSeen: returns whether the viewer is visible. Returns the viewer, and a function that disposes of it.
  */
 export function makeViewer(element, isSeen = () => true) {
   const {WebGLRenderer, PCFSoftShadowMap} = MeshCat.THREE;
@@ -54,13 +54,13 @@ export function makeViewer(element, isSeen = () => true) {
   }];
 }
 
-/** Give a canvas's memory back: a browser has 16 of them. */
+/** Release a WebGL context: a browser has only 16. */
 function release(renderer) {
   renderer.dispose();
   renderer.forceContextLoss();
 }
 
-/** Say below a view what a record LINE holds: a line, and a table's rows, with tabs between the cells. */
+/** Show the text of a LINE record below a view: a line, and a table's rows, with tabs between the cells. */
 export function sayBelow(element, text) {
   const [line, ...rows] = text.split("\n");
   element.replaceChildren(line);
@@ -77,7 +77,7 @@ export function sayBelow(element, text) {
   }
 }
 
-/** The records of a message, as {kind, payload}. */
+/** Yield the records of a message, as {kind, payload}. */
 export function* records(message) {
   const view = message instanceof ArrayBuffer
     ? new DataView(message)
@@ -91,8 +91,8 @@ export function* records(message) {
 }
 
 /**
- * Let a viewer replace a light as often as one likes. meshcat takes a light's controls off the page, but not off its list:
- * from the third light on, it takes them off once more, which the browser refuses. The light's map of shadows it forgets.
+ * Make it possible to replace a light any number of times. meshcat removes a light's controls from the page, but not
+ * from its list: at the third light it would remove them again, which fails. It also leaks the light's shadow map.
  */
 function mend(viewer) {
   const replace = viewer.set_object.bind(viewer);
@@ -104,7 +104,7 @@ function mend(viewer) {
   };
 }
 
-/** Give back what meshcat forgets about when it disposes of a part of the scene. */
+/** Dispose of lights, which meshcat forgets when it disposes of a part of the scene. */
 function letGo({object}) {
   object.traverse((each) => { if (each.isLight) each.dispose(); });
 }
@@ -130,7 +130,7 @@ export class SceneReader {
         else if (kind === COMMAND) this.viewer.handle_command_bytearray(payload);
         else if (kind === LINE) this.showLine(new TextDecoder().decode(payload));
         else if (kind === CAMERA) this.place(payload, isWhole);
-      } catch (error) {  // one bad record does not cost the others
+      } catch (error) {  // show the other records anyway
         console.error("a record of kind", kind, "cannot be shown:", error);
       }
     }
@@ -166,7 +166,7 @@ export class SceneReader {
   }
 }
 
-/** Keep the picture as large as its element; meshcat itself takes the height of the window. Returns how to stop. */
+/** Keep the picture as large as its element; meshcat would use the window's height. Returns how to stop. */
 export function fit(viewer, element) {
   const resize = viewer.set_3d_pane_size.bind(viewer);
   viewer.set_3d_pane_size = () => {

@@ -1,20 +1,20 @@
-// Shows a scene in a notebook's cell: the page's side of tutorial/notebook/widgets/scene_view.py. cell.js, scene.js and
-// viewer.js stand before this text in the same module.
+// Shows a scene in a notebook's cell: the page's side of tutorial/notebook/widgets/scene_view.py. make.js, cell.js,
+// scene.js and viewer.js precede this file in the same module.
 
-const WAITING = ["Connecting…", "If a cell is running, the picture appears when it is done."];
-const ENDED = ["The kernel has ended or was restarted.", "Run the notebook's cells again, and the view comes back."];
-const OFFLINE = ["The connection to Jupyter is lost.", "The picture goes on by itself when the connection is back."];
-const NO_SCRIPT = "meshcat's viewer could not be started in this page.";
+const WAITING = ["Connecting…", "If a cell is running, the picture appears when the cell is done."];
+const ENDED = ["The kernel has ended or was restarted.", "Run the notebook's cells again to get the view back."];
+const OFFLINE = ["The connection to Jupyter is lost.", "The picture continues when the connection is back."];
+const NO_SCRIPT = "meshcat's viewer could not start in this page.";
 
 class CellView extends FrameView {
-  static every = 10;  // the kernel sends 60
+  static every = 10;  // the kernel sends up to 60 without an acknowledgement
 
   constructor(model, el) {
     super(model);
     this.build(el);
     this.onEnded();
     this.connect();
-    library().ready.then(() => this.start(), (error) => this.raise(NO_SCRIPT, `It says: ${error.message}`));
+    library().ready.then(() => this.start(), (error) => this.raise(NO_SCRIPT, `The error was: ${error.message}`));
   }
 
   build(el) {
@@ -44,7 +44,7 @@ class CellView extends FrameView {
     this.curtain.hidden = false;
   }
 
-  /** Ask for what is missing, the script or the scene. */
+  /** Request what is missing: the script or the scene. */
   ask() {
     if (this.picture) super.ask();
     else if (!library().isTaken && (library().askedAt ?? -Infinity) < performance.now() - FrameView.patience.first / 2) {

@@ -1,14 +1,14 @@
-// meshcat's viewer in a part of a page that has others: in a notebook's cell, or in a page that plays a run again.
-// make.js and scene.js stand before this text in the same script.
+// meshcat's viewer as one part of a page: in a notebook's cell, or in a replay. make.js and scene.js precede this file
+// in the same script.
 
 const TURN = Math.PI / 36, ZOOM = 1.1;  // a key press
 const KEYS = {
   ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, -TURN, 1], ArrowDown: [0, TURN, 1],
   "+": [0, 0, 1 / ZOOM], "=": [0, 0, 1 / ZOOM], "-": [0, 0, ZOOM], "_": [0, 0, ZOOM],
 };
-const TAKEN = ["The browser has taken the 3D graphics away.", "It does so when a page has too many. Reload the page."];
+const TAKEN = ["The browser has dropped this 3D view.", "It does so when a page has too many. Reload the page."];
 
-/** meshcat's viewer, a script that the whole page needs once, whoever gets it first. */
+/** The state of meshcat's script, which all views of a page share. */
 function library() {
   const name = Symbol.for("tank-tutorial meshcat");
   if (!window[name]) {
@@ -19,7 +19,7 @@ function library() {
   return window[name];
 }
 
-/** Run the script. In a function of its own: where a page has an AMD loader, it would not define `MeshCat` otherwise. */
+/** Run the script inside a function: with an AMD loader in the page, it would otherwise not define `MeshCat`. */
 async function run(zipped) {
   const unzipped = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
   const parts = ["(function (define, exports, module) {", await new Response(unzipped).blob(), "\n}).call(window);"];
@@ -27,7 +27,7 @@ async function run(zipped) {
   await new Promise((resolve, reject) => {
     const script = document.createElement("script");
     script.onload = resolve;
-    script.onerror = () => reject(new Error("the page does not let it run"));
+    script.onerror = () => reject(new Error("the page does not allow it to run"));
     script.src = source;
     document.head.append(script);
   });
@@ -42,7 +42,7 @@ function takeLibrary(zipped) {
   run(zipped).then(shared.resolve, shared.reject);
 }
 
-/** Make something, and return it with a function that takes off the window what was put there meanwhile. */
+/** Make something, and return it with a function that removes the window's listeners that were added meanwhile. */
 function withoutTrace(make) {
   const add = window.addEventListener, {onload} = window, put = [];
   window.addEventListener = (...listener) => {
@@ -57,7 +57,7 @@ function withoutTrace(make) {
   }
 }
 
-/** Make the element that a picture is in. It has what a screen reader says of it. */
+/** Make the element for a picture, with its description for screen readers. */
 function makePane(title) {
   return make("div", "tank-view-pane", {
     "role": "img", "tabindex": "0", "data-lm-suppress-shortcuts": "true", "aria-label": `${title}, in 3D`,
@@ -89,7 +89,7 @@ class Picture {
     let isSeen = true;
     const [[viewer, stop], forget] = withoutTrace(() => makeViewer(element, () => isSeen));
     this.viewer = viewer;
-    viewer.gui.domElement.remove();  // it is for those who draw, and hides a part of the picture
+    viewer.gui.domElement.remove();  // it is for developers, and covers a part of the picture
     const canvas = viewer.renderer.domElement;
     canvas.addEventListener("webglcontextlost", onTaken);
     const unfit = fit(viewer, element);
