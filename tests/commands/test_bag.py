@@ -32,7 +32,7 @@ def test_a_drive_is_recorded_and_played(tank, node, tmp_path):
     assert {topic.name for topic in Bag(path).topics if topic.count} == {JOINTS, "/joy"}
 
     played = tank("bag play", path, "--rate", 4, "--topics", JOINTS)
-    assert (played.status, played.stdout.endswith("ends it\n200 messages played\n")) == (0, True)
+    assert (played.status, played.stdout.endswith("stops it\n200 messages played\n")) == (0, True)
 
     (path / "metadata.yaml").unlink()  # a killed recorder leaves none
     info = tank("bag info", path)

@@ -101,9 +101,9 @@ def judged(school, tmp_path_factory):
     return by_learner, whole, done, junit
 
 
-DISTURBED = "The answer has disturbed the process that judged it."
+DISTURBED = "The answer disturbed the process that judged it."
 AIM = [
-    ("carl", "not judged", f"The answer did not come to its end within {LIMIT} s."),
+    ("carl", "not judged", f"The answer did not finish within {LIMIT} s."),
     ("jack", "not judged", DISTURBED),
     ("kim", "not judged", submission.BROKEN),
     ("moe", "not judged", DISTURBED),
@@ -123,9 +123,9 @@ def test_wrong_answers_have_causes_and_other_files_problems(judged):
     assert {answer["verdict"] for answer in learners["lena"][1].values()} == {"not tried"}
     assert learners["nora"][1]["publish"]["verdict"] == "right", "this answer needs the tank's model"
     assert "anna-checkpoint" not in learners
-    assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
-    assert learners["hans"][0] == "it has more than 50 MB"
-    assert learners["ida"][0] == "it is no file"
+    assert learners["gina"][0].startswith("not a notebook: JSONDecodeError: ")
+    assert learners["hans"][0] == "it is larger than 50 MB"
+    assert learners["ida"][0] == "it is not a file"
     assert "\x1b" not in done.stdout
 
 
@@ -144,7 +144,7 @@ def test_it_prints_a_summary(judged):
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
     assert len(suites) == 10
     carl = suites["carl.ipynb"]
-    assert carl[0].find("error").get("message").startswith("The answer did not come to its end")
+    assert carl[0].find("error").get("message").startswith("The answer did not finish")
     assert suites["ben.ipynb"].find("testcase/failure") is not None
     assert suites["gina.ipynb"].find("testcase/error") is not None
 
@@ -186,7 +186,7 @@ def test_ctrl_c_shows_partial_results_and_leaves_nothing(judging):
     judging.asks_to_stop()
     assert judging.ends() == 130
     assert " right " in judging.output
-    assert "Interrupted: 1 of 2 notebooks are not judged." in judging.output
+    assert "Interrupted: 1 of 2 notebooks were not judged." in judging.output
 
 
 def test_no_process_outlives_a_killed_check(judging):

@@ -19,8 +19,8 @@ OTHERS = "all machines of this network"
     [
         ("mujoco", "pocket", LIBCRYPTO, {}, "problem", "libcrypto", "pip install --force-reinstall mujoco"),
         ("mujoco", "pocket", VULKAN, {}, "problem", "cannot be imported: MUJOCO_GL is odd", "unset MUJOCO_GL"),
-        ("mujoco", "pocket", ["4.0", ["no EGL", "libegl1"]], {}, "note", "all else works: no EGL", "libegl1"),
-        ("mujoco", "pocket", ["4.0", None], {}, "ok", "4.0, which renders", ""),
+        ("mujoco", "pocket", ["4.0", ["no EGL", "libegl1"]], {}, "note", "the rest works: no EGL", "libegl1"),
+        ("mujoco", "pocket", ["4.0", None], {}, "ok", "4.0, which can render", ""),
         ("backend", "pocket", RCLPY, {}, "ok", "the pocket ROS 2, on Cyclone DDS, because this Python finds no", ""),
         ("backend", "pocket", RCLPY, JAZZY | {"TUTORIAL_ROS": "pocket"}, "ok", "because TUTORIAL_ROS=pocket", ""),
         ("backend", "pocket", LIBCRYPTO, {}, "problem", "libcrypto", "cyclonedds"),
@@ -38,7 +38,7 @@ OTHERS = "all machines of this network"
         ("discovery", "pocket", 0, {RANGE: "LOCAL"}, "problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}"),
         ("discovery", "pocket", 0, {"CYCLONEDDS_URI": "x"}, "note", "; CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
         ("domain", "pocket", [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: nobody else", ""),
-        ("domain", "pocket", ["/t", "/j", "/t"], {}, "note", "/j, 2 x /t. Nodes of one name", "__node:=viewer"),
+        ("domain", "pocket", ["/t", "/j", "/t"], {}, "note", "/j, 2 x /t. Nodes with the same", "__node:=viewer"),
         ("domain", "pocket", LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
     ],
 )
@@ -73,7 +73,7 @@ def test_output_has_columns_and_a_failed_probe_does_not_stop_the_rest(monkeypatc
     assert max(map(len, (first, second))) <= 100
     assert third == " " * 20 + "/long" * 30
     assert mend == " " * 17 + "-> export ROS_DOMAIN_ID=42"
-    assert broken == "broken     note     it could not be looked at: ZeroDivisionError: division by zero"
+    assert broken == "broken     note     the check failed: ZeroDivisionError: division by zero"
     assert python.startswith("Python     ok ")
     assert last == "problems: 1, notes: 1"
 

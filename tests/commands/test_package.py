@@ -168,7 +168,7 @@ def test_existing_files_are_kept(here):
     (here / "my_tank").mkdir()
     (here / "my_tank" / "setup.py").write_text("mine")
     before = files(here)
-    with pytest.raises(TutorialError, match="there is 'my_tank' already, and it stays as it is"):
+    with pytest.raises(TutorialError, match="'my_tank' already exists and is not overwritten"):
         make("my_tank")
     assert files(here) == before
     assert (here / "my_tank" / "setup.py").read_text() == "mine"

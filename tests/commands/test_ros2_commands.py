@@ -148,7 +148,7 @@ def test_an_error_of_rclpy_is_shown_in_its_words(tank, monkeypatch, command, ask
     """rclpy raises it while a different program has a name that is empty or not valid text."""
     monkeypatch.setattr(MeteredNode, asked, Mock(side_effect=error))
     run = tank(command)
-    assert (run.status, f"Error: ROS 2 says: {error}\n" in run.stderr) == (1, True)
+    assert (run.status, f"Error: ROS 2 reports: {error}\n" in run.stderr) == (1, True)
 
 
 def test_two_nodes_with_one_name_are_listed_twice(eventually):

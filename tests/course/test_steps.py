@@ -70,8 +70,8 @@ def test_a_launch_files_programs_have_projects(path):
 async def test_the_page_receives_the_moving_tank(program):
     simulation = program("run", "step2", "--ros-args", "-r", "__node:=simulation")
     program("joy", "--drive", "tour")
-    simulation.says("look at http://127.0.0.1:")
-    address = simulation.output.split("look at http")[1].split()[0]
+    simulation.says("3D view: http://127.0.0.1:")
+    address = simulation.output.split("3D view: http")[1].split()[0]
     page = await websocket_connect(f"ws{address}socket")
     turret = set()
     while len(turret) < 20:

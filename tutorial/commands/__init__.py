@@ -1,1 +1,1 @@
-"""The command ``tank``, and what its parts are made of."""
+"""The command ``tank`` and its subcommands."""

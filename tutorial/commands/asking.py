@@ -1,4 +1,4 @@
-"""A command's own node: made by ROS 2's arguments, and asked something until there is an answer or Ctrl-C."""
+"""The nodes of commands, which take ROS 2's arguments, and the commands that query ROS 2 through one."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
@@ -21,15 +21,15 @@ from tutorial.system.printing import say
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import NodeThread
 
-BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
+BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when the reader of a pipe has gone
 
 
 def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
-    """Make a command's function of a question: it is given a node and the command's options, and prints the answer.
+    """Turn a coroutine function into a command's function. It receives a node and the options, and prints the answer.
 
-    The node is hidden, as that of ``ros2``. The option ``use_sim_time`` is the node's parameter. The exit status is
-    that of ``ros2``, too: 1 after an error, whose text is on stderr then; 2 after Ctrl-C. Where ``ros2`` has a text of
-    its own, such as "Unknown topic", it is printed unchanged; other errors are raised as TutorialError.
+    The node is hidden, like that of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit status
+    follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed
+    unchanged, because some are texts of ``ros2``, such as "Unknown topic".
     """
 
     @click.pass_obj
@@ -42,7 +42,7 @@ def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
                 say(f"{error}\n", err=True)
                 return 1
             except BrokenPipeError:
-                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes stdout again at exit
                 return BROKEN_PIPE
 
     return command
@@ -50,15 +50,15 @@ def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
 
 @contextmanager
 def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -> Iterator[NodeThread]:
-    """Make a node with a thread of its own, for as long as the context lasts.
+    """Make a node with its own thread, for the duration of the context.
 
     Args:
-        name: its name, unless it is remapped.
+        name: the node's name, unless it is remapped.
         ros_args: ROS 2's arguments.
         use_sim_time: the node's parameter, for a clock that follows ``/clock``.
 
     Raises:
-        TutorialError: a name or an argument is wrong.
+        TutorialError: a name or an argument is invalid.
     """
     from tutorial.ros.node_thread import NodeThread
 
@@ -71,9 +71,9 @@ def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -
 
 @contextmanager
 def clear_ros_errors() -> Iterator[None]:
-    """Turn what rclpy raises about names and arguments into an error without a traceback.
+    """Convert rclpy's exceptions about names and arguments to errors without a traceback.
 
-    A real one refuses to list any node or topic while another program has a name that it cannot bear.
+    A real rclpy lists no node or topic at all while another program uses a name that it cannot handle.
     """
     from rclpy._rclpy_pybind11 import UnknownROSArgsError
     from rclpy.exceptions import NameValidationException
@@ -85,4 +85,4 @@ def clear_ros_errors() -> Iterator[None]:
     except UnknownROSArgsError as error:
         raise TutorialError(f"ROS 2 does not know the arguments {error}") from error
     except (RuntimeError, UnicodeDecodeError) as error:
-        raise TutorialError(f"ROS 2 says: {error}") from error
+        raise TutorialError(f"ROS 2 reports: {error}") from error

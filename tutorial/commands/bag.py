@@ -1,6 +1,6 @@
-"""The commands ``tank bag``: what ``ros2 bag`` does, with the options that people know."""
+"""The commands ``tank bag``, which work like ``ros2 bag`` and take its most common options."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 
@@ -20,26 +20,33 @@ from tutorial.system.printing import say
 if TYPE_CHECKING:
     from tutorial.ros.bags import Bag, Recorder
 
-LOOK_EVERY = 0.2  # [s] for how far a recording is
-CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
+LOOK_EVERY = 0.2  # [s] between two updates of a recording's status
+CLOCK_RATE = 40.0  # [Hz], as in ros2 bag
 
 bag_argument = click.argument("bag", type=click.Path(path_type=Path), metavar="BAG")
 
 
-@click.group("bag", short_help="Record topics, look at what was recorded, and play it again, as ros2 bag does.")
+@click.group("bag", short_help="Record topics into bags, inspect bags, and play them, as ros2 bag does.")
 def bag() -> None:
-    """Record topics into a bag, look at it, and play it again, as ros2 bag does."""
+    """Record topics into bags, inspect bags, and play them, as ros2 bag does."""
 
 
 @bag.command(short_help="Record topics into a bag.")
 @click.argument("topics", nargs=-1, metavar="[TOPICS]...")
-@click.option("-a", "--all", "everything", is_flag=True, help="All topics, also those that appear later.")
-@click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; else called after the time.")
+@click.option("-a", "--all", "everything", is_flag=True, help="Record all topics, including those that appear later.")
+@click.option(
+    "-o", "--output", type=Path, metavar="NAME", help="Record into this new folder; by default, its name is the time."
+)
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
-    "-d", "--max-bag-duration", "longest", type=click.IntRange(1), metavar="SECONDS", help="A new file after so long."
+    "-d",
+    "--max-bag-duration",
+    "longest",
+    type=click.IntRange(1),
+    metavar="SECONDS",
+    help="Start a new file after this time.",
 )
-@click.option("--use-sim-time", is_flag=True, help="Note the simulated time of receipt, from /clock.")
+@click.option("--use-sim-time", is_flag=True, help="Record the times of receipt in simulated time, from /clock.")
 @click.pass_obj
 def record(
     ros_args: list[str],
@@ -51,7 +58,7 @@ def record(
     longest: int | None,
     use_sim_time: bool,
 ) -> None:
-    """Record TOPICS, or with -a all of them, until Ctrl-C."""
+    """Record TOPICS, or all topics with -a, until Ctrl-C."""
     from tutorial.ros.bags import Recorder
 
     if bool(topics) == everything:
@@ -63,17 +70,17 @@ def record(
         with clear_ros_errors():
             recorder = Recorder(thread.node, path, None if everything else topics, storage, longest or math.inf)
         with recorder, status_line() as status:
-            say(f"recording into {path}; Ctrl-C ends it\n")
+            say(f"recording into {path}; Ctrl-C stops it\n")
             while recorder.error is None and not stop.wait(LOOK_EVERY):
                 status(_so_far(recorder))
-    lost = f"; {recorder.lost:,} were lost" if recorder.lost else ""
+    lost = f"; {recorder.lost:,} lost" if recorder.lost else ""
     say(f"{_so_far(recorder)}{lost}\n")
 
 
-@bag.command(short_help="Say what a bag holds.")
+@bag.command(short_help="Show what a bag contains.")
 @bag_argument
 def info(bag: Path) -> None:
-    """Say what BAG holds: its length, and each topic with its type and the number of its messages."""
+    """Show what BAG contains: its duration, and each topic with its type and number of messages."""
     from tutorial.ros.bags import Bag, bag_info
 
     opened = Bag(bag)
@@ -84,18 +91,22 @@ def info(bag: Path) -> None:
 @bag.command(short_help="Play a bag.")
 @bag_argument
 @click.argument("more", nargs=-1, metavar="")
-@click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="How fast.")
-@click.option("-l", "--loop", is_flag=True, help="Begin anew at the end, until Ctrl-C.")
+@click.option(
+    "-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="Play at this speed."
+)
+@click.option("-l", "--loop", is_flag=True, help="Play again and again, until Ctrl-C.")
 @click.option(
     "--clock",
-    type=Finite(min=0, min_open=True, max=1000),  # as often as a simulation steps; far above, no message has its turn
+    type=Finite(
+        min=0, min_open=True, max=1000
+    ),  # a simulation's step rate; at much higher rates, messages would never get their turn
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",
-    help=f"Publish the time of the bag on /clock, {CLOCK_RATE:g} times a second or as often as given.",
+    help=f"Publish the bag's time on /clock at this rate; without a number, at {CLOCK_RATE:g} Hz.",
 )
-@click.option("--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Leave so much out.")
-@click.option("--topics", multiple=True, metavar="TOPIC...", help="Only those; all by default.")
+@click.option("--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Skip this much of the bag.")
+@click.option("--topics", multiple=True, metavar="TOPIC...", help="Play only these topics; all by default.")
 @click.pass_obj
 def play(
     ros_args: list[str],
@@ -108,17 +119,17 @@ def play(
     start_offset: float,
     topics: tuple[str, ...],
 ) -> int:
-    """Publish the messages of BAG again, byte for byte, at the times at which they were received."""
+    """Publish the messages of BAG byte for byte, at the intervals at which they were received."""
     from tutorial.ros.bags import Bag, Player
 
     if more and not topics:
-        raise click.UsageError(f"{more[0]!r} is too much: one bag is played at a time. Topics stand after --topics.")
+        raise click.UsageError(f"{more[0]!r} is unexpected: give one bag, and topics only after --topics.")
     opened = Bag(bag)
     stop = threading.Event()
     handle_signals(stop.set)
     with named_node("rosbag2_player", ros_args) as thread, clear_ros_errors():
         player = Player(thread.node, opened, rate, loop, start_offset, (*topics, *more) or None, clock or 0.0)
-        say(f"playing {bag}, {opened.duration:.1f} s; Ctrl-C ends it\n")
+        say(f"playing {bag}, {opened.duration:.1f} s; Ctrl-C stops it\n")
         with progress_bar(opened.duration) as progress:
             player.run(stop, progress)
     say(f"{player.played:,} messages played\n")

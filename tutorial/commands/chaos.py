@@ -1,4 +1,4 @@
-"""The command ``tank chaos``: a good stream of joint states with faults in it."""
+"""The command ``tank chaos``: a stream of joint states with deliberate faults."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
@@ -23,7 +23,7 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
         raise click.BadParameter(str(error)) from None
 
 
-@click.command(short_help="Publish joint states with faults in them, and see who can bear it.", epilog=EPILOG)
+@click.command(short_help="Publish joint states with deliberate faults, to test subscribers.", epilog=EPILOG)
 @click.option(
     "-f",
     "--fault",
@@ -31,17 +31,23 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     multiple=True,
     callback=_parse_faults,
     metavar="FAULT[:SHARE]",
-    help="Put this fault into that share of the messages, 0 to 1; without a share, into all. May be repeated.",
+    help="Put this fault into a share of the messages, 0 to 1; by default into all. Can be repeated.",
 )
 @click.option(
-    "--from", "good", metavar="TOPIC", help="Take the good messages from this topic, in place of a steady swing."
+    "--from", "good", metavar="TOPIC", help="Take the correct messages from this topic, in place of a steady swing."
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="The same seed gives the same stream again.")
+@click.option(
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Seed of the random choice; the same seed repeats the stream.",
+)
 @click.pass_obj
 def chaos(ros_args: list[str], /, faults: dict[str, float], good: str | None, seed: int) -> None:
-    """Publish joint states with faults on /Tank/joint_state: who listens, and can bear it?
+    """Publish joint states with deliberate faults on /Tank/joint_state, to test subscribers.
 
-    Without any fault it is a good stream.
+    Without -f, all messages are correct.
     """
     from tutorial.ros.chaos.stream import ChaosStream
 

@@ -1,4 +1,4 @@
-"""The command ``tank check``: the answers in other people's notebooks, judged."""
+"""The command ``tank check``, which judges the answers in learners' notebooks."""
 
 # ruff: noqa: PLC0415 - help must be fast
 
@@ -24,13 +24,17 @@ if TYPE_CHECKING:
     Done = dict[Path, dict[str, Judged]]
 
 TOGETHER = 2  # notebooks at a time
-LIMIT = 60.0  # [s] that an answer may take
+LIMIT = 60.0  # [s] per answer
 
 
 @click.command(short_help="Check the answers in learners' notebooks.")
 @click.argument("notebooks", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option(
-    "--jobs", type=click.IntRange(1, 64), default=TOGETHER, show_default=True, help="Judge so many notebooks at a time."
+    "--jobs",
+    type=click.IntRange(1, 64),
+    default=TOGETHER,
+    show_default=True,
+    help="Judge this many notebooks at a time.",
 )
 @click.option(
     "--limit",
@@ -38,16 +42,20 @@ LIMIT = 60.0  # [s] that an answer may take
     default=LIMIT,
     show_default=True,
     metavar="SECONDS",
-    help="Give up an answer that takes longer.",
+    help="Stop answers that take longer.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON, with all that a check says, instead of the table.")
-@click.option("--no-sandbox", is_flag=True, help="Run the answers as you run any program. Trust them, then.")
-@click.option("--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Write JUnit's XML to FILE, too.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON, with the full text of each check, instead of the table."
+)
+@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox, if you trust them.")
+@click.option(
+    "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
+)
 def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Any) -> int:
-    """Check the answers in NOTEBOOKS: files, or folders of them.
+    """Check the answers in NOTEBOOKS, which are files or folders.
 
-    Only the answers are run, with the definitions that they need, in a sandbox.
-    The exit status is 1 if an answer is not right, or could not be judged; one that was not tried does not count.
+    Only the answers and the definitions that they need are run, in a sandbox.
+    The exit status is 1 if any answer is wrong or could not be judged. Exercises that were not tried do not count.
     """
     from rich.console import Console
 
@@ -56,7 +64,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     from tutorial.commands.checking.sandbox import need_sandbox
 
     if junit is not None:
-        junit.open()  # click.utils.LazyFile; if it cannot be written, nothing is judged
+        junit.open()  # a LazyFile of click: fail before judging if it cannot be written
     paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
@@ -79,14 +87,14 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         except OSError as error:
             raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
-        say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
+        say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks were not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
     return int(any(judged.outcome not in fine for _, verdicts in results for judged in verdicts.values()))
 
 
 def _found(given: Sequence[Path]) -> list[Path]:
-    """Find the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps."""
+    """Find the notebooks, without duplicates. Search folders recursively, except for Jupyter's checkpoints."""
     found: dict[Path, None] = {}
     for path in given:
         inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
@@ -95,14 +103,14 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Name each notebook by the part of its path that the others do not share, with control characters as escapes."""
+    """Name each notebook by its path below the common folder, with control characters as escapes."""
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - where a link leads is not its name
     common = Path(os.path.commonpath([path.parent for path in absolute]))
     return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
 
 
 async def _judge_all(names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, done: Done) -> None:
-    """Judge notebooks, some at a time, with a progress bar; where nobody can watch it, a line for each."""
+    """Judge notebooks, `jobs` at a time, with a progress bar or, without a terminal, a line for each."""
     from tqdm import tqdm
 
     from tutorial.commands.checking.submission import judge

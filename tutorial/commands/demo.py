@@ -1,4 +1,4 @@
-"""The demo's closing table: what the records of a run say, side by side."""
+"""The demo's closing tables, which compare the records of a run's processes."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -14,21 +14,21 @@ COUNTS = ("published", "received", "applied")
 
 
 def read_records(directory: Path) -> list[dict[str, Any]]:
-    """Read the records that the processes of a run have left, in the order of their nodes' names."""
+    """Read the records that the processes of a run have written, sorted by node name."""
     return [json.loads(path.read_text(encoding="utf-8")) for path in sorted(directory.glob("*.json"))]
 
 
 def summary(records: Sequence[Mapping[str, Any]]) -> RenderableType:
-    """Lay out what each node made of the topics, and the joints as each node has them; 80 columns are enough."""
+    """Lay out each node's message counts, and each node's joint positions; 80 columns are enough."""
     return Group(_nodes(records), _joints(records))
 
 
 def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Each node with the messages that it sent and got, and how long these took from publication to callback."""
+    """Lay out each node's sent and received messages, with their latency from publication to callback."""
     table = _table("node", "topic", "sent", "received", "shown", "[Hz]", "median", "p99 [ms]")
     table.caption = (
-        "median and p99: of the time from publication to callback. Received can be fewer than sent: "
-        "the programs start one after the other, and a queue of depth 1 keeps the newest."
+        "median and p99: of the time from publication to callback. Fewer messages can be received than sent: "
+        "the programs start one after the other, and a queue of depth 1 keeps only the newest."
     )
     table.caption_justify = "left"
     for record in records:

@@ -1,9 +1,9 @@
 """``tank doctor``: check whether the tutorial can run on this machine, and say how to fix what is wrong.
 
-Checks that may crash or hang run in a process of their own, which prints its answer as JSON.
+Checks that can crash or hang run in a separate process, which prints its answer as JSON.
 """
 
-# ruff: noqa: PLC0415 - modules that may crash are imported only in that process
+# ruff: noqa: PLC0415 - modules that can crash are imported only in that process
 
 import asyncio
 import json
@@ -30,8 +30,8 @@ from tutorial.ros.wheels.folder import RANGE
 from tutorial.system.printing import say
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
-PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
-FIRST_LOOK = 4.0  # [s] before the graph may count as known: nodes on Fast DDS show up after 1 to 4 s
+PATIENCE = 45  # [s] to wait for an answer: a loaded machine is slow to import
+FIRST_LOOK = 4.0  # [s] before the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
 
 PIP = "python -m pip install"
 SETUP = "/opt/ros/jazzy/setup.bash"
@@ -46,16 +46,16 @@ RANGES = {
     "SYSTEM_DEFAULT": "what the middleware is configured for",
 }
 BY_HAND = ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "CYCLONEDDS_URI")
-"""Other variables that decide whom nodes find."""
+"""Other variables that affect discovery."""
 
 
 class Diagnosis(NamedTuple):
     """The result of one probe.
 
     Attributes:
-        level: ``"ok"``; ``"note"`` for what may surprise; ``"problem"`` for what does not work.
+        level: ``"ok"``; ``"note"`` if the result can surprise; ``"problem"`` if something does not work.
         text: what the probe found.
-        mend: what to type or to do. Notes and problems have one.
+        mend: the fix, such as a command. Notes and problems have one.
     """
 
     level: Literal["ok", "note", "problem"]
@@ -82,9 +82,9 @@ def _looked(probe: Callable[[], Diagnosis]) -> Diagnosis:
     try:
         return probe()
     except TutorialError:
-        return Diagnosis("note", "it was not looked at, because of the problem above", "fix that first")
-    except Exception as error:  # noqa: BLE001 - whatever it is, the other probes go on
-        return Diagnosis("note", f"it could not be looked at: {type(error).__name__}: {error}", "look at it by hand")
+        return Diagnosis("note", "not checked because of the problem above", "fix that first")
+    except Exception as error:  # noqa: BLE001 - the other probes go on
+        return Diagnosis("note", f"the check failed: {type(error).__name__}: {error}", "check it by hand")
 
 
 def _columns(label: str, text: str) -> str:
@@ -95,14 +95,14 @@ def _columns(label: str, text: str) -> str:
 
 
 def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
-    """Call a function in a process of its own, and return its result.
+    """Call a function in a separate process, and return its result.
 
     Args:
         question: one of this module's functions.
-        patience: how long it may take [s].
+        patience: the time limit [s].
 
     Raises:
-        TutorialError: it crashed, failed or took too long; the text says which.
+        TutorialError: the function crashed, failed or took too long; the text says which.
     """
     code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
     command = [sys.executable, "-P", "-X", "utf8", "-c", code]
@@ -126,8 +126,8 @@ def mujoco() -> Diagnosis:
         mend = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
         return Diagnosis("problem", f"it cannot be imported: {error}", mend)
     if problem:
-        return Diagnosis("note", f"{version}; cameras take no pictures, all else works: {problem[0]}", problem[1])
-    return Diagnosis("ok", f"{version}, which renders without a screen")
+        return Diagnosis("note", f"{version}; cameras take no pictures, the rest works: {problem[0]}", problem[1])
+    return Diagnosis("ok", f"{version}, which can render off screen")
 
 
 def packages() -> Diagnosis:
@@ -166,7 +166,7 @@ def backend() -> Diagnosis:
     if kind != "pocket":
         text += f": rclpy {version}, {file}, on {rmw}"
     if rmw == "rmw_zenoh_cpp":
-        text += ", which does not speak DDS: nodes on DDS do not hear it"
+        text += ", which does not speak DDS, so it cannot reach nodes on DDS"
         return Diagnosis("note", text, "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp")
     if kind == "sourced" and distro != "jazzy":
         return Diagnosis("note", f"{text}. The tutorial is made for jazzy", repair)
@@ -181,18 +181,18 @@ def _kind() -> Kind:
     """Return which of the four kinds of ROS 2 is in use.
 
     Raises:
-        TutorialError: the one that was asked for cannot be used.
+        TutorialError: the requested one cannot be used.
     """
     if ros_backend() == "pocket":
         return "pocket"
     rclpy = real_rclpy()
-    if rclpy is None or rclpy.is_relative_to(folder.prefix()):  # None: the folder has lost it
+    if rclpy is None or rclpy.is_relative_to(folder.prefix()):  # None: the folder is damaged
         return "folder"
     return "pixi" if (Path(sys.prefix) / "conda-meta").is_dir() else "sourced"
 
 
 def discovery() -> Diagnosis:
-    """Report how far nodes look for other nodes, and which variables change that."""
+    """Report the range of discovery, and which variables change it."""
     reach = os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
         return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
@@ -203,8 +203,8 @@ def discovery() -> Diagnosis:
     text = f"{reach}: {RANGES[reach]}"
     mends = [] if reach == "LOCALHOST" else [f"for this machine only: export {RANGE}=LOCALHOST"]
     for name in filter(os.environ.get, BY_HAND):
-        text += f"; {name} is {os.environ[name]!r}, and has a say in it"
-        mends.append(f"if it is not meant: unset {name}")
+        text += f"; {name} is {os.environ[name]!r}, and affects discovery, too"
+        mends.append(f"if that is not intended: unset {name}")
     return Diagnosis("note" if mends else "ok", text, "; ".join(mends))
 
 
@@ -216,14 +216,14 @@ def domain() -> Diagnosis:
     try:
         names = ask(_nodes)
     except TutorialError as error:
-        mend = "fix what is reported of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
+        mend = "fix the problems of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
     text = f"in domain {number}: {', '.join(named) or 'nobody else'}"
     if len(counts) < len(names):
         mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
-        return Diagnosis("note", f"{text}. Nodes of one name cannot be told apart", mend)
+        return Diagnosis("note", f"{text}. Nodes with the same name cannot be distinguished", mend)
     return Diagnosis("ok", text)
 
 
@@ -235,11 +235,11 @@ PROBES: dict[str, Callable[[], Diagnosis]] = {
     "discovery": discovery,
     "domain": domain,
 }
-"""All probes, by subject, in the order in which their results are printed. They run at the same time."""
+"""All probes, by subject, in the order of their results. They run concurrently."""
 
 
 def _mujoco() -> tuple[str, tuple[str, str] | None]:
-    """Return MuJoCo's version, and why it does not render, with what to do about it."""
+    """Return MuJoCo's version and, if it cannot render, the error and its fix."""
     import mujoco
 
     from tutorial.view import offscreen
@@ -247,7 +247,7 @@ def _mujoco() -> tuple[str, tuple[str, str] | None]:
     try:
         with offscreen.Offscreen(mujoco.MjModel.from_xml_string("<mujoco/>")):
             return mujoco.__version__, None
-    except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise what they like
+    except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and drivers can raise anything
         return mujoco.__version__, (f"{type(error).__name__}: {error}", offscreen.mend())
 
 

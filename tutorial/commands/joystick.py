@@ -1,4 +1,4 @@
-"""The joystick: a gamepad, or a drive that is written down in a file, published as `sensor_msgs/Joy`."""
+"""The joystick: a gamepad, or a drive scripted in a file, published as `sensor_msgs/Joy`."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ class _Moment(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
-    """What a drive file looks like."""
+    """The content of a drive file."""
 
     drive: Annotated[list[_Moment], msgspec.Meta(min_length=1)]
     repeat: bool = False
 
 
 class ScriptedDrive:
-    """A drive that is written down in a YAML file: from each time on, these axes.
+    """A drive scripted in a YAML file, as a list of times and the axes from then on.
 
     Args:
-        path: the file. With ``repeat: true`` it begins anew at the time of its last moment.
+        path: the file. With ``repeat: true`` the drive starts again at the time of its last entry.
 
     Raises:
-        TutorialError: the file is missing or malformed; the text names the line and the mend.
+        TutorialError: the file is missing or malformed; the text names the line and a fix.
     """
 
     def __init__(self, path: Path) -> None:
@@ -53,7 +53,7 @@ class ScriptedDrive:
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return the axes at a time since its beginning [s]; it has no buttons."""
+        """Return the axes at a time since the drive's start [s], and no buttons."""
         if self._period:
             seconds %= self._period
         i = bisect_right(self._times, seconds) - 1
@@ -61,13 +61,13 @@ class ScriptedDrive:
 
 
 class Gamepad:
-    """A gamepad, through SDL's game controllers, which know where every make has its sticks (pygame-ce).
+    """A gamepad, read through SDL's game controller API, which knows the layout of common models (pygame-ce).
 
     Args:
         controller: pygame's controller.
 
     Attributes:
-        name: what the gamepad calls itself.
+        name: the gamepad's own name.
     """
 
     def __init__(self, controller: Any) -> None:
@@ -76,7 +76,7 @@ class Gamepad:
 
     @classmethod
     def find(cls) -> Gamepad | None:
-        """Return the first gamepad that is connected; None where there is none, or no pygame."""
+        """Return the first connected gamepad; None without one, or without pygame."""
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
         os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
         try:
@@ -84,18 +84,18 @@ class Gamepad:
             from pygame._sdl2 import controller  # noqa: PLC0415
         except ImportError:
             return None
-        pygame.display.init()  # events are SDL's video subsystem's
+        pygame.display.init()  # SDL's events need the video subsystem
         controller.init()
         for i in range(controller.get_count()):
             if controller.is_controller(i):
                 return cls(controller.Controller(i))
         return None
 
-    def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
-        """Return the axes and buttons of now, as of the ROS 2 joy package's ``game_controller_node``.
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad knows only the present
+        """Return the current axes and buttons, as the ROS 2 joy package's ``game_controller_node`` publishes them.
 
-        SDL has right and backward positive. That node turns every axis round: left and forward are positive, a trigger
-        goes from 0 to -1.
+        In SDL, right and backward are positive. That node inverts every axis: left and forward are positive, and a
+        trigger goes from 0 to -1.
         """
         import pygame  # noqa: PLC0415
 
@@ -113,22 +113,22 @@ def publish_joystick(
     stop: threading.Event,
     progress: Callable[[float], object],
 ) -> float:
-    """Publish a joystick on ``joy`` at 50 Hz, until it is time to stop.
+    """Publish a joystick on ``joy`` at 50 Hz until the duration is over or `stop` is set.
 
-    A scripted drive begins with the first subscription, so that nothing of it is lost. The last message has the sticks
-    in the middle.
+    A scripted drive starts with the first subscription, so that the subscriber receives all of it. The last message
+    centres the sticks.
 
     Args:
         node: the node to publish with.
         source: the joystick.
-        duration: how long [s]; None for until `stop`.
-        linger: after the duration, go on for at most so long [s], until a subscription that had come has gone. Others
-            may stay: whoever listens in does not keep the joystick.
+        duration: how long to publish [s]; None for until `stop` is set.
+        linger: after the duration, continue for at most this time [s] until one of the subscriptions ends. The others
+            can stay: a monitoring program does not keep the joystick alive.
         stop: set it to stop, from any thread.
-        progress: called with the seconds that have passed.
+        progress: called with the elapsed seconds.
 
     Returns:
-        How long it has published [s].
+        The time spent publishing [s].
     """
     publisher = node.create_publisher(Joy, "joy", 1)
     began = time.monotonic()

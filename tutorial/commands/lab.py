@@ -1,4 +1,4 @@
-"""JupyterLab on the notebooks."""
+"""The command ``tank lab``: JupyterLab with the course's notebooks."""
 
 import logging
 import os
@@ -17,53 +17,53 @@ from tutorial.system.paths import HOME, PACKAGE, SHIPPED, is_ours
 _log = logging.getLogger(__name__)
 
 OWN = "tank-tutorial"
-"""What a learner's own course folder is called."""
+"""The name of a learner's own course folder."""
 
 BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
-"""Variables of WSL, and of VS Code's terminals in containers and on other machines."""
+"""Variables that WSL sets, or VS Code's terminals in containers and on remote machines."""
 
 
 def own_course() -> Path:
-    """Return the course folder that the learner works in; where there is none, make one in the current directory.
+    """Return the learner's course folder; if there is none, make one in the current directory.
 
-    The notebooks of an installed package are not for opening: a change there would be a change for all users, and
-    would be lost with the next version. So they are copied, with all that they refer to. What is in the
-    learner's folder already stays as it is; only what is missing is added, such as a later version's new notebook.
+    Learners must not edit the notebooks of an installed package: all users would see the changes, and the next version
+    would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the
+    learner's folder stay unchanged; only missing files are added, such as a later version's new notebook.
 
     Raises:
-        TutorialError: the folder cannot be written to, or belongs to somebody else.
+        TutorialError: the folder cannot be written to, or belongs to another user.
     """
-    elsewhere = "Go to a folder of your own, for instance with cd ~, and type it again."
+    elsewhere = "Go to a folder of your own, for instance with cd ~, and try again."
     course = Path.cwd() / OWN if HOME == SHIPPED else HOME
     if course.exists() and not is_ours(course):
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
-    if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs
+    if (course / "tutorial" / "__init__.py").exists():  # a checkout, which is complete
         return course
     try:
         added = _add_missing(course)
     except OSError as error:
         raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {elsewhere}") from error
     if added:
-        _log.info("what was missing of the course is now in %s; all that you change there stays", course)
+        _log.info("added the missing course files to %s; your changes there are kept", course)
     return course
 
 
 def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
-    """Return the command that opens JupyterLab on the first notebook: for this machine alone, and quiet.
+    """Return the command that opens JupyterLab on the first notebook, for this machine only and with little output.
 
-    If a JupyterHub starts it, it is the student's server, and the hub says where it listens.
+    Under JupyterHub, it is the student's server, and the hub decides where it listens.
 
     Args:
-        arguments: more of JupyterLab's own, which take the place of what is set here.
-        course: the course folder, which is all that JupyterLab shows.
+        arguments: further arguments for JupyterLab, which override the settings made here.
+        course: the course folder, which becomes JupyterLab's root.
     """
-    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # which terminals have
+    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # set in terminals
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
-        "ServerApp.allow_root": True,  # for in a container there is nobody else
+        "ServerApp.allow_root": True,  # in a container, root is the only user
         "ServerApp.allow_origin_pat": _forwarded_origin(),
-        "ServerApp.max_body_size": 64_000_000,  # bytes, read before it is asked who sent them; notebooks are smaller
+        "ServerApp.max_body_size": 64_000_000,  # bytes, read before authentication; notebooks are smaller
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
         "ServerApp.answer_yes": True,  # one Ctrl-C ends it
         "Application.log_level": "ERROR",
@@ -76,35 +76,35 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
 
 
 def _forwarded_origin() -> str:
-    """The addresses by which a browser reaches a GitHub codespace, a regular expression; empty elsewhere."""
+    """Return a regular expression of the origins of a GitHub codespace; empty elsewhere."""
     name, domain = map(os.environ.get, ("CODESPACE_NAME", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN"))
     return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 
 
 def trust(folder: Path, **settings: str) -> None:
-    """Sign the course's notebooks as the user's own, as ``jupyter trust`` does. One that cannot be read is left out.
+    """Sign the course's notebooks as ``jupyter trust`` does, skipping unreadable ones.
 
-    JupyterLab shows no widget of a notebook that it does not trust when its page is loaded anew, and one that somebody
-    else has run is not trusted.
+    After a reload of the page, JupyterLab shows no widgets in an untrusted notebook, and it does not trust notebooks
+    that somebody else has run.
 
     Args:
-        folder: whose notebooks.
-        settings: of Jupyter's notary, for instance ``data_dir``.
+        folder: the folder of the notebooks.
+        settings: settings of Jupyter's notary, for instance ``data_dir``.
     """
-    logging.getLogger("traitlets").setLevel(logging.WARNING)  # it tells everyone where it keeps its key
+    logging.getLogger("traitlets").setLevel(logging.WARNING)  # its info messages include the path of its key
     notary = NotebookNotary(**settings)  # type: ignore[no-untyped-call]
     for path in sorted(folder.glob("[0-9]_*.ipynb")):
         try:
             notary.sign(nbformat.read(path, as_version=4))  # type: ignore[no-untyped-call]
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with it, JupyterLab will say
-            _log.warning("%s is not trusted: %s", path.name, str(error).partition("\n")[0])
+        except Exception as error:  # noqa: BLE001 - JupyterLab will report what is wrong with it
+            _log.warning("%s could not be signed: %s", path.name, str(error).partition("\n")[0])
     notary.store.close()
 
 
 def _add_missing(course: Path) -> int:
-    """Copy the files that are not in a learner's course folder; return how many.
+    """Copy the files that are missing in a learner's course folder; return how many.
 
-    A file may be read-only, its copy may be written. The copy is there as a whole or not at all.
+    Copies are writable even if the originals are not. Each is replaced atomically, so none is ever incomplete.
     """
     missing = [(target, source) for target, source in _course_files(course) if not target.exists()]
     for target, source in missing:
@@ -116,9 +116,9 @@ def _add_missing(course: Path) -> int:
 
 
 def _course_files(course: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield each file that a learner's course folder has, with the file that it is a copy of.
+    """Yield each file of a learner's course folder, with the file to copy it from.
 
-    Among them are the library's controllers, for reading: the notebooks point at them.
+    They include the library's controllers for reading, because the notebooks refer to them.
     """
     for source in SHIPPED.rglob("*"):
         if source.is_file() and source.suffix != ".pyc":  # pip compiles the launch files, too

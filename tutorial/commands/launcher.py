@@ -1,4 +1,4 @@
-"""Runs a ROS 2 launch file where there is no ROS 2, and says what each process says."""
+"""Runs ROS 2 launch files without ROS 2, and prints the output of each process."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
-LOOK_EVERY = 0.1  # [s] between two looks at what still runs
+LOOK_EVERY = 0.1  # [s] between two checks of the running processes
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    It is run with the `launch` of the pocket ROS 2, also beside a real ROS 2, so that ``tank launch`` does the same
-    whatever is installed.
+    The file is run with the `launch` of the pocket ROS 2, even beside a real ROS 2: ``tank launch`` should behave the
+    same whatever is installed.
 
     Raises:
-        TutorialError: it fails, uses more of `launch` than the tutorial has, or describes what cannot be started; the
-            text names the line, where there is one.
+        TutorialError: the file fails, uses more of `launch` than the tutorial has, or describes a process that cannot
+            be started; the text names the line if possible.
     """
     with _own_launch() as launch:
         try:
@@ -67,13 +67,13 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 class Launcher:
     """Starts processes, prints their output with their names in front, and ends them together.
 
-    When one fails, the others are stopped: asked first, killed if they don't, or at a second Ctrl-C at once. None
-    outlives the launcher, even when it is killed: see `tutorial.system.parent_watch`.
+    When one fails, the launcher interrupts the others and, after a timeout or a second Ctrl-C, kills them. No process
+    outlives the launcher, even if that is killed: see `tutorial.system.parent_watch`.
 
     Args:
-        processes: what to start.
+        processes: the processes to start.
         environment: variables to add to the processes' environment.
-        output: where to print.
+        output: the stream to print to.
     """
 
     def __init__(self, processes: Sequence[ExecuteProcess], environment: Mapping[str, str], output: TextIO) -> None:
@@ -88,13 +88,13 @@ class Launcher:
         self.interrupted = False
 
     def run(self, progress: Callable[[float], object]) -> int:
-        """Run the processes to their end.
+        """Run the processes until they end.
 
         Args:
-            progress: called again and again with the seconds that have passed.
+            progress: called repeatedly with the elapsed seconds.
 
         Returns:
-            The exit status: that of the process that failed first, 0 when none did.
+            The exit status of the first process that failed; 0 if none failed.
         """
         handle_signals(self._interrupt, at_once=lambda: self._signal_groups(signal.SIGKILL))
         began = time.monotonic()
@@ -121,19 +121,19 @@ class Launcher:
             environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
             command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
             self._running[name] = started = parent_watch.start_watched(command, environment, process.cwd)
-        except (OSError, TypeError, ValueError) as error:  # the last two: what no program can be given, as a zero byte
+        except (OSError, TypeError, ValueError) as error:  # the last two: invalid arguments
             raise TutorialError(f"{name} could not be started: {error}") from error
         reader = threading.Thread(target=self._follow, args=(name, started), daemon=True)
         self._readers.append(reader)
         reader.start()
 
     def _follow(self, name: str, process: Popen[str]) -> None:
-        """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
+        """Print a process's lines until it ends; if it is the first one to fail, have the others stopped."""
         with process:
             for line in process.stdout or ():
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
-        if status >= 0:  # else there may be something left of its group, which is going to be stopped
+        if status >= 0:  # after a signal, other processes of its group can still run
             self._running.pop(name, None)
         if status and not self._stop.is_set():
             self._status = status if status > 0 else 128 - status
@@ -141,7 +141,7 @@ class Launcher:
             self._stop.set()
 
     def _stop_all(self) -> None:
-        """Ask every process group that is left to stop, and kill what hasn't in time."""
+        """Interrupt every remaining process group, and kill those that don't stop in time."""
         self._stop.set()
         self._signal_groups(signal.SIGINT)
         for _ in range(round(PATIENCE / LOOK_EVERY)):
@@ -153,7 +153,7 @@ class Launcher:
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:
-        """Signal every process group that is left, 0 to ask nothing of it; return whether there is one."""
+        """Send a signal to every remaining process group, or none with 0; return whether there is one."""
         for name, process in tuple(self._running.items()):
             if not parent_watch.signal_group(process.pid, number):
                 self._running.pop(name, None)
@@ -163,12 +163,12 @@ class Launcher:
         try:
             self._output.write(f"{datetime.now():%H:%M:%S} {name:{self._width}} | {line}\n")
             self._output.flush()
-        except BrokenPipeError:  # the reader has gone, as head does
+        except BrokenPipeError:  # the reader is gone, as with head
             self._stop.set()
 
 
 def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
-    """Call each process by its name, or else its program's; a second one of the same name gets a number."""
+    """Name each process by its name or else its program; a number makes repeated names unique."""
     named: dict[str, ExecuteProcess] = {}
     for process in processes:
         name = printable(str(process.name or Path(str(process.cmd[0])).name))
@@ -179,7 +179,7 @@ def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
 
 @contextmanager
 def _own_launch() -> Iterator[ModuleType]:
-    """Make ``import launch`` mean that of the pocket ROS 2, for a while."""
+    """Make ``import launch`` import the pocket ROS 2's for the duration of the context."""
     hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
     sys.path.insert(0, str(pocket_ros2.PATH))
     try:

@@ -9,12 +9,12 @@ import click
 
 
 class Finite(click.FloatRange):
-    """A number, which "nan" and "inf" are not."""
+    """A finite number: neither "nan" nor "inf"."""
 
     name = "number"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Read it, or say what is wrong."""
+        """Parse the number, or fail with a usage error."""
         number: float = super().convert(value, param, ctx)
         return number if math.isfinite(number) else self.fail(f"{value!r} is not a number.", param, ctx)
 
@@ -27,7 +27,7 @@ duration_option = click.option(
     type=Seconds(min=0, min_open=True),
     metavar="SECONDS",
     envvar="TANK_DURATION",
-    help="End by itself after so many seconds; without it, Ctrl-C ends the run.",
+    help="End after this many seconds; without it, run until Ctrl-C.",
 )
 linger_option = click.option(
     "--linger",
@@ -35,19 +35,19 @@ linger_option = click.option(
     default=0.0,
     metavar="SECONDS",
     envvar="TANK_LINGER",
-    help="After the duration, wait so long at most for the others to end first.",
+    help="After the duration, wait at most this long for the other programs to end.",
 )
 report_option = click.option(
     "--report",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
     envvar="TANK_REPORT",
-    help="Write what was measured to DIR/NODE.json.",
+    help="Write measurements to DIR/NODE.json.",
 )
 headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Show no 3D view.")
 
 
 def part_class(given: str) -> tuple[Path, str | None]:
-    """Part ``FILE:CLASS``, which names a controller in a Python file; ``FILE`` alone names no class."""
+    """Split ``FILE:CLASS``, which names a controller in a Python file. The class is None for ``FILE`` alone."""
     file, _, name = given.rpartition(":")
     return (Path(file), name) if file and name.isidentifier() else (Path(given), None)

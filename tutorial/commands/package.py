@@ -1,4 +1,4 @@
-"""The command ``tank package``: a controller, or a node, as a ROS 2 package of its own."""
+"""The command ``tank package``: a controller or a node as a ROS 2 package."""
 
 # ruff: noqa: PLC0415 - help must be fast
 
@@ -12,26 +12,28 @@ from tutorial.errors import TutorialError, printable
 from tutorial.system.printing import say
 
 
-@click.command(short_help="Make a ROS 2 package of a controller of your own.")
+@click.command(short_help="Make a ROS 2 package from your own controller.")
 @click.argument("name")
 @click.option(
     "--controller",
     "own",
     metavar="FILE[:CLASS]",
-    help="Make it of the controller in this Python file; CLASS says which one, where there are several.",
+    help="Use the controller in this Python file; CLASS selects one of several.",
 )
 @click.option(
     "--destination-directory",
     "destination",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path(),
-    help="Make the package's folder in this one; else in the current directory.",
+    help="Make the package in this folder; by default, in the current directory.",
 )
-@click.option("--interfaces", is_flag=True, help="Make one with a message, a service and an action instead.")
+@click.option(
+    "--interfaces", is_flag=True, help="Make an interface package with a message, a service and an action instead."
+)
 def package(name: str, own: str | None, destination: Path, interfaces: bool) -> None:
-    """Make a ROS 2 package NAME, which colcon builds, and ros2 run and ros2 launch start.
+    """Make a ROS 2 package NAME, to build with colcon, and to start with ros2 run or ros2 launch.
 
-    Without a controller it is made of an example, a node that needs nothing of the tutorial.
+    Without --controller, it contains an example node that does not need the tutorial.
     """
     from tutorial.commands.packaging.contents import make_interfaces, make_package
 
@@ -48,17 +50,17 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
         say(f"    tank ros build {printable(str(folder))}\n\n")
         say(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
         return
-    say("\nFill in its license, and its maintainer where git knows none, in package.xml and in setup.py. ")
-    say("Its README.md says how to build and run it:\n\n")
+    say("\nFill in the license in package.xml and setup.py, and the maintainer if git has none. ")
+    say("README.md explains how to build and run the package:\n\n")
     say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
     say(f"    ros2 run {name} {executable}\n    ros2 launch {name} {name}.launch.py\n")
 
 
 def _write(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a package's files into a folder that there is not yet.
+    """Write a package's files into a new folder.
 
     Raises:
-        TutorialError: something of this name is there already, or cannot be written.
+        TutorialError: the folder already exists, or cannot be written.
     """
     try:
         folder.mkdir(parents=True)
@@ -66,7 +68,7 @@ def _write(folder: Path, files: Mapping[str, bytes]) -> None:
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
     except FileExistsError as error:
-        text = f"there is {str(error.filename)!r} already, and it stays as it is. Give another name, or destination."
+        text = f"{str(error.filename)!r} already exists and is not overwritten. Give another name or destination."
         raise TutorialError(text) from None
     except OSError as error:
         raise TutorialError(f"{str(folder)!r} cannot be written: {error.strerror}") from error

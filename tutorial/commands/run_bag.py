@@ -1,4 +1,4 @@
-"""``tank run --bag``: a program's topics, recorded while it runs."""
+"""``tank run --bag``: records a program's topics while it runs."""
 
 import asyncio
 import os
@@ -16,14 +16,14 @@ MEET_FOR = 5.0  # [s] at most, before the program runs
 
 @asynccontextmanager
 async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
-    """Record what a program publishes and receives, for as long as the context lasts.
+    """Record what a program publishes and receives, for the duration of the context.
 
-    The recorder has a node of its own, so that the program's counts are of the program alone. The context begins when
-    that hears all that the program publishes: nothing of the run is missing.
+    The recorder uses a separate node, so it does not affect the program's counts. The context starts when the recorder
+    is matched with all of the program's publishers, so that the bag misses nothing of the run.
 
     Args:
         host: the program.
-        path: the bag's folder, which must not be there.
+        path: the bag's folder, which must not exist.
 
     Raises:
         TutorialError: the bag cannot be written.
@@ -31,7 +31,7 @@ async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
     topics = {meter.topic for meter in host.node.meters}
     with named_node(f"_tank_bag_{os.getpid()}", ()) as thread, Recorder(thread.node, path, topics) as recorder:
         published = {meter.topic for meter in host.node.meters if meter.direction == "published"}
-        with suppress(TimeoutError):  # one whose type is not known is not recorded, which the log says
+        with suppress(TimeoutError):  # topics of unknown types are not recorded, as the log says
             async with asyncio.timeout(MEET_FOR):
                 while not all(
                     publisher.get_subscription_count() > 0 and recorder.hears(publisher.topic_name)

@@ -32,14 +32,14 @@ if TYPE_CHECKING:
     from tutorial.program.project import Project
 
 FILE = click.Path(path_type=Path)
-LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
+LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine can be slow
 
 
 def main(args: list[str] | None = None) -> None:
     """Run a command, and exit with its status.
 
     Args:
-        args: its words; None for those that the shell was given.
+        args: the command line; None for that of the process.
     """
     words, ros_args = _split(sys.argv[1:] if args is None else args)
     prepare_output()
@@ -55,7 +55,7 @@ def main(args: list[str] | None = None) -> None:
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
-    gc.freeze()  # else Python looks for garbage once more, for 0.1 s, in what ends with the process anyway
+    gc.freeze()  # or Python would spend another 0.1 s on collecting garbage at exit
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -74,8 +74,12 @@ def tank() -> None:
 @linger_option
 @headless_option
 @report_option
-@click.option("--port", type=click.IntRange(1, 65535), help="Show the 3D view here; else on the first free from 7000.")
-@click.option("--html", type=FILE, help="Keep the run as a page that plays it again.")
+@click.option(
+    "--port",
+    type=click.IntRange(1, 65535),
+    help="Serve the 3D view on this port; by default, on the first free one from 7000.",
+)
+@click.option("--html", type=FILE, help="Record the run as a page that replays it.")
 @click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
 @click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is named after it.")
 @click.option(
@@ -85,12 +89,12 @@ def tank() -> None:
 def run(
     ros_args: list[str], /, project: str, robot: str | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
-    """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
+    """Run PROJECT: a file such as project/step2.yaml, or the name of a project of the tutorial, such as step2."""
     from tutorial.program.controller_files import load_controllers
     from tutorial.program.project import Project
     from tutorial.system.paths import find_model, find_project
 
-    ros_backend()  # or the error would name the first controller that imports rclpy
+    ros_backend()  # or an error would blame the first controller that imports rclpy
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(find_model(robot))
@@ -100,14 +104,14 @@ def run(
     return INTERRUPTED if asked and duration is not None else 0
 
 
-@tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
-@click.option("--drive", metavar="FILE", help="Publish this drive, or the tutorial's of this name, such as tour.")
+@tank.command(short_help="Publish a gamepad or a scripted drive on /joy.")
+@click.option("--drive", metavar="FILE", help="Publish this file, or this drive of the tutorial, such as tour.")
 @duration_option
 @linger_option
 @report_option
 @click.pass_obj
 def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: float, report: Path | None) -> int:
-    """Publish a gamepad on /joy; where there is none, a scripted drive."""
+    """Publish a gamepad on /joy or, without one, a scripted drive."""
     from tutorial.commands.joystick import publish_joystick
     from tutorial.program.record import make_record, write_record
 
@@ -127,15 +131,15 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
 @headless_option
 @report_option
 def launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
-    """Run a launch file: STEP is a path, or the name of one of the tutorial's, such as step3."""
+    """Run a launch file: STEP is a path, or the name of a launch file of the tutorial, such as step3."""
     return _launch(step, duration, headless, report)
 
 
-@tank.command(short_help="Run step 3 as a whole, and sum it up in a table.")
+@tank.command(short_help="Run all programs of step 3, and summarize the run in a table.")
 @duration_option
 @headless_option
 def demo(duration: float | None, headless: bool) -> int:
-    """Run step 3 as a whole, and end with a table of what went over the topics."""
+    """Run all programs of step 3, and end with a table of the messages."""
     from rich.console import Console
 
     from tutorial.commands.demo import read_records, summary
@@ -156,7 +160,7 @@ def demo(duration: float | None, headless: bool) -> int:
 @tank.command(short_help="Open JupyterLab on the first notebook.")
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
-    """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
+    """Open JupyterLab on the first notebook. Arguments after -- go to JupyterLab."""
     from tutorial.commands.lab import lab_command, own_course, trust
     from tutorial.system.paths import with_own_commands
 
@@ -167,7 +171,7 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
 
 @tank.command("doctor", short_help="Check whether this machine has what the tutorial needs.")
 def check_up() -> int:
-    """Check whether this machine has what the tutorial needs, and say what to mend."""
+    """Check whether this machine has what the tutorial needs, and suggest fixes."""
     from tutorial.commands.doctor import doctor
 
     return doctor()
@@ -176,7 +180,7 @@ def check_up() -> int:
 @tank.command(short_help="Show which exercises are solved.")
 @click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path))
 def progress(folder: Path | None) -> None:
-    """Show which exercises are solved in the notebooks of FOLDER; without it, of the course folder one is in."""
+    """Show which exercises are solved in the notebooks of FOLDER; by default, of the current course folder."""
     from tutorial.checks.catalogue import exercise_names
     from tutorial.checks.progress import FILE, Overview
     from tutorial.system.paths import HOME
@@ -190,9 +194,9 @@ def progress(folder: Path | None) -> None:
 @tank.command(short_help="Print a robot's description, a URDF.")
 @click.argument("model")
 def urdf(model: str) -> None:
-    """Print MODEL as URDF: an MJCF or URDF file, or the name of one of the tutorial's, such as tank.
+    """Print MODEL as URDF: an MJCF or URDF file, or the name of a model of the tutorial, such as tank.
 
-    It is what RobotDescriptionPublisher publishes: tank urdf tank > tank.urdf.
+    RobotDescriptionPublisher publishes the same text. Save it with: tank urdf tank > tank.urdf.
     """
     from tutorial.body import Body
     from tutorial.description.urdf import robot_description
@@ -208,7 +212,7 @@ for command in (bag, chaos, check, node, package, ros, topic):
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Part ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, from the command's own."""
+    """Split ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, off the command's own."""
     if "--ros-args" not in words:
         return words, []
     begin = words.index("--ros-args")
@@ -227,7 +231,7 @@ async def _host(
     html: Path | None,
     bag: Path | None,
 ) -> None:
-    """Run a project on the event loop that is running."""
+    """Run a project on the running event loop."""
     from tutorial.commands.run_bag import bag_of
     from tutorial.program.host import Host
     from tutorial.program.record import write_record
@@ -245,7 +249,7 @@ async def _host(
             from tutorial.view.web import SceneServer
 
             server = await stack.enter_async_context(SceneServer(scene, port=port, title=host.node.get_name()))
-            say(f"look at {server.url}\n")
+            say(f"3D view: {server.url}\n")
         if bag is not None:
             await stack.enter_async_context(bag_of(host, bag))
         if html is not None:
@@ -271,11 +275,11 @@ def _joy_source(drive: str | None) -> ScriptedDrive | Gamepad:
 
 
 def _launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
-    """Run a launch file in this terminal; its processes learn duration and the rest from their environment."""
+    """Run a launch file in this terminal. Its processes receive the options through environment variables."""
     from tutorial.commands.launcher import Launcher, load_launch_file
     from tutorial.system.paths import find_launch_file
 
-    ros_backend()  # or each of the processes would report that it has no ROS 2
+    ros_backend()  # or each process would report the missing ROS 2
     environment: dict[str, str] = {}
     if duration is not None:
         environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}

@@ -1,4 +1,4 @@
-"""What the commands do at a terminal: they end when they are asked to, and show how far they have come."""
+"""The commands' behaviour at a terminal: signals, logging and progress bars."""
 
 import asyncio
 import logging
@@ -20,37 +20,37 @@ INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
 
 class _LogFormatter(logging.Formatter):
-    """Writes log lines as `say` does what is printed."""
+    """Escapes log lines as `say` escapes printed text."""
 
     def format(self, record: logging.LogRecord) -> str:
         return printable_lines(super().format(record))
 
 
 def prepare_output() -> None:
-    """Have this process log on stderr, and write on stdout as escapes what the terminal has no characters for."""
+    """Log on stderr, and escape characters on stdout that the terminal's encoding does not have."""
     if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # as Python's stderr
+        sys.stdout.reconfigure(errors="backslashreplace")  # as Python does on stderr
     handler = logging.StreamHandler()
     handler.setFormatter(_LogFormatter("[%(levelname)s] %(message)s"))
     logging.basicConfig(handlers=[handler], level=logging.INFO)
-    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
+    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at import, it logs every missing accelerator
 
 
 def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None) -> None:
-    """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
+    """Make the first Ctrl-C or SIGTERM ask this process to end, and the second end it at once. Main thread.
 
-    So does SIGHUP, which comes when the terminal is closed, unless ``nohup`` has this process ignore it.
+    SIGHUP, which a closing terminal sends, does the same unless ``nohup`` makes this process ignore it.
 
-    A thread of its own waits for them, for the main thread may be in a loop, or in a call that does not return. It
-    waits until the process has ended, for the code that closes everything may be in a loop, too.
+    A separate thread waits for the signals, because the main thread can be stuck in a loop or a blocking call. It waits
+    until the process ends, because the cleanup can get stuck, too.
 
     Args:
-        ask: called on that thread at the first signal; it may fail when there is nothing left to ask.
-        at_once: called there at the second one, before the process ends with the status that shells give to it.
+        ask: called on that thread at the first signal. Its exceptions are ignored, as the program can be over already.
+        at_once: called on that thread at the second signal, before the process ends with the signal's exit status.
     """
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
-    signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)  # Python writes the number of each signal there
+    signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)  # Python writes each signal's number to it
     for number in _heeded():
         signal.signal(number, lambda *_: None)
     heard = (lambda: os.read(read_end, 1)[0], ask, at_once)
@@ -63,7 +63,7 @@ def _heeded() -> list[signal.Signals]:
 
 
 def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:
-    """Wait for a signal that asks, and then for one that ends."""
+    """Wait for a first signal, and then for a second one."""
     while hear() not in ENDINGS:
         pass
     with suppress(Exception):
@@ -77,7 +77,7 @@ def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[
 
 
 def until_asked(program: Awaitable[None]) -> bool:
-    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM; return whether it was."""
+    """Run a program on a new event loop until it ends, or until Ctrl-C or SIGTERM; return whether that came."""
     asked = threading.Event()
 
     async def body() -> None:
@@ -101,10 +101,10 @@ def until_asked(program: Awaitable[None]) -> bool:
 
 @contextmanager
 def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
-    """Make a progress bar over some seconds, on stderr if it is a terminal; what is logged meanwhile stands above it.
+    """Show a progress bar for a duration, if stderr is a terminal. Log lines appear above the bar.
 
     Args:
-        duration: its length [s]; None for no bar.
+        duration: the duration [s]; None for no bar.
     """
     total = duration or 0.0
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
@@ -115,7 +115,7 @@ def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
 
 @contextmanager
 def status_line() -> Iterator[Callable[[str], object]]:
-    """Show a line on stderr, as wide as the terminal, for work of unknown length; nothing if stderr is no terminal."""
+    """Show a status line for work of unknown length, if stderr is a terminal."""
     line = tqdm(bar_format="{desc}", disable=None, leave=False, dynamic_ncols=True)
     with line, logging_redirect_tqdm():
         yield line.set_description_str

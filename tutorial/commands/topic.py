@@ -1,4 +1,4 @@
-"""The commands ``tank topic`` and ``tank node``: what ``ros2 topic`` and ``ros2 node`` print."""
+"""The commands ``tank topic`` and ``tank node``, which print what ``ros2 topic`` and ``ros2 node`` print."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
@@ -21,16 +21,16 @@ SAME_NAME = (
 )
 
 
-@click.group(short_help="List topics, look at one, or publish on it, as ros2 topic does.")
+@click.group(short_help="List and inspect topics, and publish on them, as ros2 topic does.")
 def topic() -> None:
-    """Look at topics and publish on them, as ros2 topic does."""
+    """List and inspect topics, and publish on them, as ros2 topic does."""
 
 
 @topic.command("list")
 @click.option("-t", "--show-types", is_flag=True, help="Show the topics' types.")
 @asks
 async def list_topics(node: MeteredNode, show_types: bool) -> None:
-    """List the topics there are."""
+    """List the topics."""
     from tutorial.ros.topics.listing import topic_list
 
     say(await topic_list(node, show_types))
@@ -38,10 +38,10 @@ async def list_topics(node: MeteredNode, show_types: bool) -> None:
 
 @topic.command()
 @click.argument("topic_name")
-@click.option("-v", "--verbose", is_flag=True, help="Show the nodes, and their quality of service.")
+@click.option("-v", "--verbose", is_flag=True, help="Show the nodes and their quality of service.")
 @asks
 async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
-    """Say what type a topic has, and who publishes and subscribes."""
+    """Show a topic's type and its numbers of publishers and subscriptions."""
     from tutorial.ros.topics.listing import topic_info
 
     say(await topic_info(node, topic_name, verbose))
@@ -51,10 +51,10 @@ async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
 @click.argument("topic_name")
 @click.option("--once", is_flag=True, help="End after the first message.")
 @click.option("--field", metavar="FIELD", help="Show only this field, such as position or header.stamp.")
-@click.option("--no-arr", is_flag=True, help="Print of each array only what it is.")
+@click.option("--no-arr", is_flag=True, help="Print only the type and length of arrays.")
 @asks
 async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None, no_arr: bool) -> None:
-    """Print the messages of a topic as they come, until Ctrl-C."""
+    """Print the messages of a topic as they arrive, until Ctrl-C."""
     from tutorial.ros.topics.listening import topic_echo
 
     await say_all(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
@@ -62,10 +62,10 @@ async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None
 
 @topic.command()
 @click.argument("topic_name")
-@click.option("-s", "--use-sim-time", is_flag=True, help="By simulated time, from /clock.")
+@click.option("-s", "--use-sim-time", is_flag=True, help="Measure in simulated time, from /clock.")
 @asks
 async def hz(node: MeteredNode, topic_name: str) -> None:
-    """Measure how often messages come on a topic, until Ctrl-C."""
+    """Measure the message rate of a topic, until Ctrl-C."""
     from tutorial.ros.topics.listening import topic_hz
 
     await say_all(topic_hz(node, topic_name))
@@ -75,14 +75,14 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 @click.argument("topic_name")
 @click.argument("message_type")
 @click.argument("values", default="{}")
-@click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="How often [Hz].")
+@click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="Rate [Hz].")
 @click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and end.")
 @asks
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
     """Publish a message. VALUES are its fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.
 
-    As with ros2, a header given as 'auto' and a stamp given as 'now' hold the time of publication, and the type may
-    be short: sensor_msgs/Joy.
+    As with ros2, a header of 'auto' and a stamp of 'now' become the time of publication, and the type can be
+    abbreviated: sensor_msgs/Joy.
     """
     from tutorial.ros.topics.populate import populated
     from tutorial.ros.topics.publishing import topic_pub
@@ -92,13 +92,13 @@ async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str
 
 @click.group(short_help="List the nodes, as ros2 node does.")
 def node() -> None:
-    """Look at nodes, as ros2 node does."""
+    """Inspect nodes, as ros2 node does."""
 
 
 @node.command("list")
 @asks
 async def list_nodes(asker: MeteredNode) -> None:
-    """List the nodes there are, in all programs."""
+    """List the nodes of all programs."""
     from tutorial.ros.topics.graph import wait_for_graph
     from tutorial.ros.topics.listing import node_names
     from tutorial.ros.topics.names import escape_name

@@ -1,1 +1,1 @@
-"""Checking the answers in other people's notebooks: nothing of them is run, or even read, in the teacher's process."""
+"""Checks of the answers in learners' notebooks, which are never read or run in the teacher's process."""

@@ -1,8 +1,8 @@
 """The process that reads a notebook, or judges one of its answers: ``python -m tutorial.commands.checking._child``.
 
-It is given the descriptor of the notebook, the processor time [s] that a process may take, whether it is in a sandbox,
-and the name of the exercise. Without a name it lists the exercises. It writes one message to stdout. It ends when the
-process that started it is gone.
+Its arguments are the notebook's file descriptor, the limit of processor time per process [s], whether it is in a
+sandbox, and optionally the name of an exercise. With a name it judges the answer, otherwise it lists the exercises. It
+writes one message to stdout, and ends when its parent does.
 """
 
 import asyncio
@@ -23,15 +23,15 @@ from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import limit
 from tutorial.errors import TutorialError
 
-UNDEFINED = "The answer probably needs something of a cell that only works in a running notebook."
+UNDEFINED = "The answer probably depends on a cell that only works in a running notebook."
 
 
 def main() -> NoReturn:
-    """Read a notebook or judge an answer, write the message, and end at once: no code of the answer runs after that."""
+    """Read a notebook or judge an answer, write the message, and exit at once so that no code of the answer runs."""
     notebook, seconds, is_sandboxed, *exercise = sys.argv[1:]
     os.set_inheritable(int(notebook), False)
     report = os.dup(1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where what an answer prints goes
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards what an answer prints
     limit(int(seconds), is_sandboxed == "True")
     threading.Thread(target=_end_with_the_teacher, name="parent watch", daemon=True).start()
     known = {each.name: each for those in exercises().values() for each in those}
@@ -43,20 +43,20 @@ def main() -> NoReturn:
 
 
 def _end_with_the_teacher() -> None:
-    """Wait until the other end of stdin is closed: the teacher's process closes it, or has ended."""
+    """Wait until the teacher's process closes stdin or ends, and then end all processes here."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
-    os._exit(1)  # the sandbox's first process bears its own signals; when it ends, so do the others
+    os._exit(1)  # the sandbox's first process survives its own signal; its end ends all others
 
 
 def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str]:
-    """Return the answers in a notebook, by their exercise, and what is wrong with the file; empty if nothing is."""
+    """Return a notebook's answers by exercise, and the problem with the file, if any."""
     try:
         with open(notebook, encoding="utf-8") as file:
             cells = cells_of(file.read())
         answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
-    except Exception as error:  # noqa: BLE001 - the file may be anything
-        return {}, f"it is no notebook: {type(error).__name__}: {error}"
+    except Exception as error:  # noqa: BLE001 - the file can be anything
+        return {}, f"not a notebook: {type(error).__name__}: {error}"
     return {answer.exercise: answer for answer in answers}, ""
 
 
@@ -66,8 +66,8 @@ def _judge(exercise: Exercise, answer: Answer) -> Judged:
         return Judged(outcome, answer.unreadable, answer.unreadable)
     try:
         given = answer.define()
-    except BaseException as error:  # noqa: BLE001 - it is a learner's code, which may call sys.exit
-        text = f"The answer cannot be defined: {type(error).__name__}: {error}".removesuffix(": ")
+    except BaseException as error:  # noqa: BLE001 - a learner's code can even call sys.exit
+        text = f"The answer's definition failed: {type(error).__name__}: {error}".removesuffix(": ")
         return Judged(Outcome.WRONG, UNDEFINED, f"{text}\n  {UNDEFINED}")
     try:
         seen = asyncio.run(exercise.examine(given))

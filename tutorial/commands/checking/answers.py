@@ -1,8 +1,8 @@
-"""Finding the answers in a notebook: what is given to a check, and only the definitions that it needs.
+"""Finds the answers in a notebook: the arguments of checks, with only the definitions that they need.
 
-A notebook is not run. Of its cells those statements are taken that bind a name which the answer uses, or which these
-use in turn: imports, functions, classes and assignments. So an answer can be judged though other cells fail, or wait
-for a simulation that nobody has started.
+The notebook is not run. This module extracts the imports, functions, classes and assignments that define the names used
+by the answer, directly or indirectly. So an answer can be judged even if other cells fail, or wait for a simulation
+that nobody has started.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 CHECKS = "tutorial.checks."
 MAGIC = re.compile(r"^([^\S\n]*)(?:[%!?].*|.*\?)$", re.MULTILINE)
-"""A line that is IPython's own."""
+"""A line in IPython's own syntax."""
 _BINDING = (
     *(ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign),
     *(ast.AugAssign, ast.If, ast.Try),
@@ -25,13 +25,13 @@ _BINDING = (
 
 
 class Answer(NamedTuple):
-    """What was given to a check.
+    """The argument of a check.
 
     Attributes:
         exercise: the exercise's name.
-        given: the expression that was given, for instance ``HeldJoint``; None where what it names is not there.
-        statements: what it needs, in the notebook's order.
-        unreadable: where it is not there, the cell that has it and cannot be read, and why; else empty.
+        given: the argument, for instance ``HeldJoint``; None if the notebook does not define it.
+        statements: the statements that it needs, in the notebook's order.
+        unreadable: if its definition is in a cell with a syntax error, the cell and the error; otherwise empty.
     """
 
     exercise: str
@@ -40,12 +40,13 @@ class Answer(NamedTuple):
     unreadable: str = ""
 
     def define(self) -> Any:
-        """Run the statements in a namespace like a notebook's, and return what was given.
+        """Run the statements in a namespace like a notebook's, and return the value of the argument.
 
-        A statement that fails is left out, as in a notebook, where what was defined before stays.
+        Failing statements are skipped: as in a notebook, earlier definitions stay.
 
         Raises:
-            Exception: what was given cannot be had; or why the last statement that failed did.
+            Exception: the argument cannot be evaluated. If a name is missing, raise the error of the last failed
+                statement, if any.
         """
         if self.given is None:
             return None
@@ -55,7 +56,7 @@ class Answer(NamedTuple):
             try:
                 module = ast.Module([statement.node], [])
                 exec(compile(module, statement.file, "exec", dont_inherit=True), space)
-            except Exception as error:  # noqa: BLE001 - it is a learner's code
+            except Exception as error:  # noqa: BLE001 - a learner's code can raise anything
                 failed = error
         try:
             return eval(compile(ast.Expression(self.given), "check", "eval", dont_inherit=True), space)
@@ -64,13 +65,13 @@ class Answer(NamedTuple):
 
 
 class _Statement(NamedTuple):
-    """A statement at the top of a cell.
+    """A top-level statement of a cell.
 
     Attributes:
-        node: what it says.
-        file: what its cell is called.
-        binds: the names that it gives a meaning to.
-        uses: the names of the notebook that it uses, at once or when it is called.
+        node: the syntax tree.
+        file: the cell's name.
+        binds: the names that it defines or changes.
+        uses: the notebook's names that it uses, immediately or when called.
     """
 
     node: ast.stmt
@@ -80,7 +81,7 @@ class _Statement(NamedTuple):
 
 
 class _Check(NamedTuple):
-    """A call of a check: of which exercise, what was given, and before which statement."""
+    """A call of a check: its exercise, its argument, and the index of its statement."""
 
     exercise: str
     given: ast.expr | None
@@ -90,27 +91,27 @@ class _Check(NamedTuple):
 def cells_of(text: str) -> list[str]:
     """Return the code cells of a notebook.
 
-    The library nbformat would take as long to be imported as an answer to be judged.
+    This does not use nbformat, whose import takes as long as judging an answer.
 
     Args:
-        text: the file's.
+        text: the content of the file.
 
     Raises:
-        Exception: it is no notebook.
+        Exception: the text is not a notebook.
     """
     return ["".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
 
 
 def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Answer]:
-    """Find the answers to the exercises that a notebook has.
+    """Find the answers to the exercises in a notebook.
 
     Args:
-        cells: its code cells.
-        exercises: by the exercise's name, what its answer is called.
+        cells: the notebook's code cells.
+        exercises: the name of each exercise's answer, by the exercise's name.
 
     Returns:
-        One for each exercise that is imported, checked or answered in the notebook, in the order of the checks. If one
-        is called more than once, the last call counts that is given what the exercise asks for.
+        An answer for each exercise that the notebook imports, checks or answers, in the order of the checks. If a check
+        is called several times, the last call with the answer's name counts or, without one, the last call.
     """
     nodes: list[tuple[ast.stmt, str]] = []
     unreadable: dict[str, tuple[str, str]] = {}
@@ -152,7 +153,7 @@ def _answer(
 
 
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
-    """Collect what gives names their meaning, and what that uses: before a position, or else wherever it is."""
+    """Collect the statements that define names, recursively: those before a position if any, otherwise all."""
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)
     while waiting:
@@ -167,29 +168,29 @@ def _needed(names: Iterable[str], statements: Sequence[_Statement], position: in
 
 
 def _parsed(cell: str, name: str) -> list[ast.stmt]:
-    """Parse a cell, and keep its lines, so that they can be quoted.
+    """Parse a cell, and keep its lines for tracebacks.
 
     Raises:
-        Exception: it is no Python.
+        Exception: the cell is not valid Python.
     """
     try:
         body = ast.parse(cell).body
     except SyntaxError:
-        cell = MAGIC.sub(r"\1pass", cell)  # so that the other lines keep their numbers
+        cell = MAGIC.sub(r"\1pass", cell)  # keeps the line numbers
         body = ast.parse(cell).body
     linecache.cache[name] = (len(cell), None, cell.splitlines(keepends=True), name)
     return body
 
 
 def _aliases(nodes: Iterable[ast.stmt]) -> dict[str, str]:
-    """Return the exercises that are imported, by the names that the notebook has for them."""
+    """Return the imported exercises, by their names in the notebook."""
     imports = (each for node in nodes for each in ast.walk(node) if isinstance(each, ast.ImportFrom))
     ours = (each for each in imports if (each.module or "").startswith(CHECKS))
     return {alias.asname or alias.name: alias.name for each in ours for alias in each.names}
 
 
 def _checks(node: ast.stmt, position: int, known: Mapping[str, str]) -> Iterator[_Check]:
-    """Yield the checks that a statement calls: ``NAME.check(...)``."""
+    """Yield the checks that a statement calls, as in ``NAME.check(...)``."""
     for call in ast.walk(node):
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr == "check"):
             continue
@@ -210,7 +211,7 @@ def _statement(node: ast.stmt, file: str) -> _Statement:
 
 
 def _compiles(node: ast.stmt) -> bool:
-    """Whether a statement can be run here; one that awaits something only can in a running notebook."""
+    """Return whether a statement compiles here; one with a top-level ``await`` does so only in a notebook."""
     try:
         compile(ast.Module([node], []), "cell", "exec", dont_inherit=True)
     except SyntaxError:
@@ -219,7 +220,7 @@ def _compiles(node: ast.stmt) -> bool:
 
 
 def _globals(table: symtable.SymbolTable) -> set[str]:
-    """Collect the names of the notebook that functions and classes use."""
+    """Collect the notebook's names that functions and classes use."""
     inner = table.get_children()
     own = {symbol.get_name() for each in inner for symbol in each.get_symbols() if symbol.is_global()}
     return own.union(*(_globals(each) for each in inner))

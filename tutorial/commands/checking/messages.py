@@ -1,4 +1,4 @@
-"""Messages from the process that reads a notebook, or judges an answer, to the teacher's: one line of JSON each."""
+"""Messages from the process that reads a notebook or judges an answer, each a line of JSON."""
 
 from enum import StrEnum
 
@@ -6,12 +6,12 @@ import msgspec
 
 from tutorial.errors import printable_lines
 
-LONGEST = 4000  # characters of a text that is told
-FORGED = "The answer has the process that judged it say 'right', and not as the check does: look at what it does."
+LONGEST = 4000  # characters of a text
+FORGED = "The answer made its process report 'right', but not in the check's format: inspect its code."
 
 
 class Outcome(StrEnum):
-    """What became of an answer."""
+    """The verdict on an answer."""
 
     RIGHT = "right"
     WRONG = "wrong"
@@ -20,28 +20,28 @@ class Outcome(StrEnum):
 
 
 class Opened(msgspec.Struct):
-    """The notebook is read.
+    """The result of reading a notebook.
 
     Attributes:
-        exercises: those that it has, in its order.
-        problem: why it cannot be read; else empty.
+        exercises: the notebook's exercises, in order.
+        problem: why the notebook cannot be read; otherwise empty.
     """
 
     exercises: list[str]
     problem: str = ""
 
     def __post_init__(self) -> None:
-        """Escape what a terminal would obey, in a message made here and in one that was read."""
+        """Escape control characters, both in new messages and in received ones."""
         self.problem = clean(self.problem)[:200]
 
 
 class Judged(msgspec.Struct):
-    """An answer was judged.
+    """The result of judging an answer.
 
     Attributes:
-        outcome: what became of it.
-        cause: for one that is not right, the most likely cause, as a sentence.
-        text: what a learner sees.
+        outcome: the verdict.
+        cause: if the answer is not right, the most likely cause, as a sentence.
+        text: the text that a learner sees.
     """
 
     outcome: Outcome
@@ -49,9 +49,9 @@ class Judged(msgspec.Struct):
     text: str = ""
 
     def __post_init__(self) -> None:
-        """Escape what a terminal would obey, in a message made here and in one that was read.
+        """Escape control characters, both in new messages and in received ones, and detect forged verdicts.
 
-        A check that says "right" has a tick for what it has seen, no cross, and no cause: what has not is not judged.
+        A check's verdict "right" has ticks, no cross and no cause. Any other "right" becomes "not judged".
         """
         self.cause, self.text = clean(self.cause), clean(self.text)
         marks = {line[:1] for line in self.text.split("\n")}
@@ -60,6 +60,6 @@ class Judged(msgspec.Struct):
 
 
 def clean(text: str) -> str:
-    """Write invisible characters as escapes: a terminal would obey them, and XML forbids them."""
+    """Escape invisible characters, which a terminal would interpret and XML forbids."""
     kept = printable_lines(text)
     return kept if len(kept) <= LONGEST else f"{kept[: LONGEST - 1]}…"

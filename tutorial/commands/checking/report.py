@@ -1,4 +1,4 @@
-"""What became of a class's answers: a table, a summary, JSON, and JUnit's XML."""
+"""Reports on a class's answers: a table, a summary, JSON and JUnit XML."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -12,11 +12,11 @@ from rich.text import Text
 from tutorial.commands.checking.messages import Judged, Outcome
 
 Results = Sequence[tuple[str, dict[str, Judged]]]
-"""What each notebook is called, and what became of its answers, as `judge` returns it."""
+"""Each notebook's name and verdicts, as returned by `judge`."""
 
 STYLES = {Outcome.RIGHT: "green", Outcome.WRONG: "red", Outcome.NOT_TRIED: "dim", Outcome.NOT_JUDGED: "yellow"}
 
-NO_SANDBOX = "There was no sandbox: the answers could read, change and send whatever you can."
+NO_SANDBOX = "There was no sandbox: the answers could read, change and send everything that you can."
 
 
 def table(results: Results) -> Table:
@@ -36,7 +36,7 @@ def table(results: Results) -> Table:
 
 
 def summary(results: Results, is_sandboxed: bool) -> list[str]:
-    """Sum it up: how many of which outcome, the cause that is the most frequent, and that there was no sandbox."""
+    """Summarize the counts of each outcome, the most frequent cause, and whether the sandbox was missing."""
     answers = [answer for _, verdicts in results for answer in verdicts.items() if answer[0]]
     counts = Counter(judged.outcome for _, judged in answers)
     parts = [f"{counts[outcome]} {outcome}" for outcome in Outcome if counts[outcome]]
@@ -53,12 +53,12 @@ def summary(results: Results, is_sandboxed: bool) -> list[str]:
 
 
 def _count(number: int, what: str) -> str:
-    """Say how many, in the singular or the plural."""
+    """Format a count, with the noun in the singular or plural."""
     return f"{number} {what}{'s' * (number != 1)}"
 
 
 def as_json(results: Results, is_sandboxed: bool) -> dict[str, Any]:
-    """Return all of it as what JSON can hold."""
+    """Return the results and the summary as JSON data."""
     return {
         "notebooks": [
             {
@@ -77,7 +77,7 @@ def as_json(results: Results, is_sandboxed: bool) -> dict[str, Any]:
 
 
 def as_junit(results: Results) -> bytes:
-    """Return it as the XML of JUnit, which CI systems read: a suite for each notebook, a case for each answer."""
+    """Return the results as JUnit XML for CI systems: a suite for each notebook, a case for each answer."""
     kinds = {Outcome.WRONG: "failure", Outcome.NOT_JUDGED: "error", Outcome.NOT_TRIED: "skipped"}
     suites = ElementTree.Element("testsuites", name="tank check")
     for name, verdicts in results:

@@ -1,4 +1,4 @@
-"""Having one notebook judged, in processes of their own that a sandbox holds."""
+"""Judges one notebook, in separate processes inside a sandbox."""
 
 import asyncio
 import math
@@ -20,39 +20,39 @@ from tutorial.system.parent_watch import signal_group
 from tutorial.system.paths import PACKAGE
 
 LARGEST = 50 << 20  # bytes of a notebook
-OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work
-MEMORY = 8 << 30  # bytes of address space of all processes of an answer together; so shared memory counts, too
-LOOK = 0.1  # [s] between two looks at the memory
-UNREAD = "it could not be read: the process that reads it has ended, or taken too long"
-ENDLESS = "The answer did not come to its end within {limit:g} s."
-DISTURBED = "The answer has disturbed the process that judged it."
+OUTLAST = 4  # limit of processor time, as a multiple of the time limit, for answers with several threads
+MEMORY = 8 << 30  # bytes of address space of all of an answer's processes together, including shared memory
+LOOK = 0.1  # [s] between two checks of the memory
+UNREAD = "it could not be read: the reading process crashed or took too long"
+ENDLESS = "The answer did not finish within {limit:g} s."
+DISTURBED = "The answer disturbed the process that judged it."
 BROKEN = "The answer ended the process that judged it, or its processes together took more than 8 GB of memory."
 KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
-"""What variables begin with that a learner's code may see; others may hold keys and passwords."""
+"""Prefixes of the variables that a learner's code can see; others can contain keys and passwords."""
 
 
 T = TypeVar("T", Judged, Opened)
 
 
 async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str, Judged]:
-    """Have a notebook's answers judged, each in a process of its own.
+    """Judge a notebook's answers, each in a separate process.
 
     Args:
-        path: the file.
-        limit: how long an answer may take [s].
-        is_sandboxed: whether a sandbox holds it.
+        path: the notebook.
+        limit: the time limit per answer [s].
+        is_sandboxed: whether to use a sandbox.
 
     Returns:
-        By the exercise's name, in the notebook's order; first, without a name, the whole, if that could not be judged.
+        The verdicts by exercise name, in the notebook's order. If the notebook has a problem, it comes first, under "".
     """
     judged: dict[str, Judged] = {}
     if not path.is_file():
-        problem = "it is no file"
+        problem = "it is not a file"
     elif path.stat().st_size > LARGEST:
-        problem = f"it has more than {LARGEST >> 20} MB"
+        problem = f"it is larger than {LARGEST >> 20} MB"
     else:
         try:
             opened = await _told(Opened, path, limit, is_sandboxed)
@@ -67,7 +67,7 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
-    """Have an answer judged; if it takes too long, or ends or disturbs its process, the verdict says so."""
+    """Judge one answer; the verdict reports an answer that takes too long, or ends or disturbs its process."""
     try:
         return await _told(Judged, path, limit, is_sandboxed, exercise)
     except (EOFError, TimeoutError, ValueError, RecursionError) as error:
@@ -76,34 +76,34 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
-    """Start a process for a notebook, or for one of its answers, and return its message. Kill what is left of it.
+    """Start a process for a notebook or one of its answers, return its message, and kill what is left of it.
 
     Raises:
-        EOFError: it has written nothing.
+        EOFError: the process wrote nothing.
         OSError: the notebook cannot be opened.
-        TimeoutError: it has taken too long.
-        ValueError, RecursionError: it has written something other than one message.
+        TimeoutError: the process took too long.
+        ValueError, RecursionError: the process wrote something other than one message.
     """
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
         command = asyncio.create_subprocess_exec(
             *(sandbox(folder) if is_sandboxed else ()),
             *(sys.executable, "-P", "-m", "tutorial.commands.checking._child"),
             *map(str, (file.fileno(), math.ceil(OUTLAST * limit), is_sandboxed, *exercise)),
-            stdin=asyncio.subprocess.PIPE,  # its end tells the process that this one is gone
+            stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process is gone
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
-            limit=1 << 16,  # bytes of a message
+            limit=1 << 16,  # bytes per message
             pass_fds=[file.fileno()],
             start_new_session=True,
             cwd=folder,
             env=_environment(folder),
         )
-        starting = asyncio.ensure_future(command)  # a start that is cancelled may never return
+        starting = asyncio.ensure_future(command)  # a cancelled start might never return
         try:
             async with asyncio.timeout(limit):
                 process = await asyncio.shield(starting)
                 assert process.stdout is not None
-                looking = asyncio.create_task(_bound_memory(process.pid))  # it ends when the process does, too
+                looking = asyncio.create_task(_bound_memory(process.pid))  # also ends with the process
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
                 looking.cancel()
@@ -119,7 +119,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
 
 
 async def _bound_memory(pid: int) -> None:
-    """Look after the memory of a process and of all that come from it, until it ends; kill them if it is too much."""
+    """Watch the memory of a process and its descendants until it ends; kill them if they use too much."""
     with suppress(psutil.NoSuchProcess):
         first = psutil.Process(pid)
         while sum(map(_mapped, (first, *first.children(recursive=True)))) <= MEMORY:
@@ -128,7 +128,7 @@ async def _bound_memory(pid: int) -> None:
 
 
 def _mapped(process: psutil.Process) -> int:
-    """Return the bytes of a process's address space; 0 if it has just ended. On macOS that is hundreds of GB always."""
+    """Return the address space [bytes]; on macOS, where that is always huge, the resident memory; 0 after its end."""
     with suppress(psutil.Error):
         return int(getattr(process.memory_info(), "rss" if sys.platform == "darwin" else "vms"))
     return 0
@@ -140,6 +140,6 @@ def _environment(folder: str) -> dict[str, str]:
         **{name: value for name, value in os.environ.items() if name.startswith(KEPT)},
         **{"HOME": folder, "TMPDIR": folder, "PYTHONPATH": home, "PYTHONUSERBASE": site.getuserbase()},
         **{"PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"},
-        **{"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},  # each thread takes memory, of which there is a limit
+        **{"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},  # each thread needs memory, which is limited
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }

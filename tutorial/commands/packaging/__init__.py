@@ -1,1 +1,1 @@
-"""What ``tank package`` writes: the files of a ROS 2 package, made from the templates in ``template/``."""
+"""The files that ``tank package`` writes, made from the templates in ``template/``."""

@@ -1,4 +1,4 @@
-"""What a package is called, who maintains it, and what its files hold."""
+"""The name, maintainer and files of a generated ROS 2 package."""
 
 import re
 import subprocess
@@ -16,27 +16,27 @@ from tutorial.system.paths import HOME, PACKAGE, find_home
 
 TEMPLATES = Path(__file__).parent / "template"
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
-"""What catkin_pkg, with which colcon reads a package.xml, takes for an address."""
+"""An address that catkin_pkg accepts, with which colcon reads package.xml."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
-"""Where code imports a module."""
+"""An import statement, and the imported top-level module."""
 DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
-"""What rosdep calls the package of a module. Messages have the name of theirs."""
+"""rosdep's keys of modules whose names differ from their packages'. Those of messages do not differ."""
 NOBODY = ("Your Name", "you@example.com")
-"""The maintainer whom the learner has to fill in."""
+"""A placeholder that the learner has to fill in."""
 
 
 def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple[dict[str, bytes], str]:
-    """Make a package around a controller; without one around an example, the first node of step 1's notebook.
+    """Make a package around a controller or, without one, an example: the first node of step 1's notebook.
 
     Args:
-        name: the package's.
-        controller: the Python file that defines it, and its class's name; None for the only one there.
+        name: the package's name.
+        controller: the Python file that defines it, and its class name, which can be None if there is only one.
 
     Returns:
-        What each file holds, by its path within the package; and what its node is started by.
+        The content of each file, by its path within the package; and the name of the executable.
 
     Raises:
-        TutorialError: a package cannot be called so, the controller is not there, or no step has one of its name.
+        TutorialError: the name is invalid, the controller is missing, or no step has a controller of that name.
     """
     check_package_name(name)
     if controller is None:
@@ -92,12 +92,12 @@ def make_interfaces(name: str) -> dict[str, bytes]:
 
 
 def _filled(template: str, words: Mapping[str, str]) -> bytes:
-    """Return a template's text with words in place of its variables."""
+    """Return a template with its variables filled in."""
     return Template((TEMPLATES / template).read_text(encoding="utf-8")).substitute(words).encode()
 
 
 def find_maintainer() -> tuple[str, str]:
-    """Ask git for the user's name and address; `NOBODY` if package.xml cannot hold what it says."""
+    """Return the user's name and address from git; `NOBODY` if they are missing or invalid in package.xml."""
     name, email = _ask_git("user.name"), _ask_git("user.email")
     return (name, email) if name.isprintable() and name and EMAIL.fullmatch(email) else NOBODY
 
@@ -106,20 +106,20 @@ _EXAMPLE = {
     "module": "listener",
     "main": "listener",
     "node": "listener",
-    "description": "A node that listens to the tank's joints, and says once a second where they are.",
+    "description": "A node that listens to the tank's joint states, and logs the positions once a second.",
 }
-"""What stands in the templates for the example."""
+"""The templates' variables for the example."""
 
 
 def _controller(file: Path, only: str | None) -> dict[str, str]:
-    """What stands in the templates for a controller in the place of the course's own of the same name.
+    """Return the templates' variables for a controller that replaces the course's controller of the same name.
 
     Args:
         file: the Python file that defines it.
-        only: the name of its class; None for the only one that there is.
+        only: the name of its class; None if the file defines only one.
 
     Raises:
-        TutorialError: the file is missing or fails, it defines several controllers, or none of this name, or no project
+        TutorialError: the file is missing or fails, it defines several controllers or none of this name, or no project
             of the course has one of this name.
     """
     found = load_controllers(file, only)
@@ -144,7 +144,7 @@ def _project_for(name: str) -> Project:
     """Find the course's first project that has a controller of this name.
 
     Raises:
-        TutorialError: none has.
+        TutorialError: no project has one.
     """
     known: set[str] = set()
     for path in sorted((HOME / "project").glob("step*.yaml"), key=lambda path: (len(path.stem), path.stem)):
@@ -153,12 +153,12 @@ def _project_for(name: str) -> Project:
         if name in names:
             return project
         known |= names
-    mend = "Yours takes the place of the one that has its name, so call the class like that."
+    mend = "Your class replaces the controller of the same name, so give it that name."
     raise TutorialError(f"no step has a controller {name!r}.{did_you_mean(name, known)} {mend}")
 
 
 def _ask_git(setting: str) -> str:
     try:
         return subprocess.run(["git", "config", setting], capture_output=True, text=True, check=False).stdout.strip()
-    except OSError:  # there is no git
+    except OSError:  # git is not installed
         return ""
