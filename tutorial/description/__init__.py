@@ -1,1 +1,1 @@
-"""The robot description: what other programs know of a robot, a URDF made from its MuJoCo model."""
+"""The robot description: a URDF for other programs, made from a MuJoCo model."""

@@ -1,4 +1,4 @@
-"""Which geoms MuJoCo's own viewer shows, and in which colour."""
+"""The visibility and colour of geoms, as in MuJoCo's own viewer."""
 
 import mujoco
 import numpy as np
@@ -9,21 +9,21 @@ from tutorial.body import SHOWN_GROUPS
 Array = NDArray[np.float64]
 
 _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
-"""The colour of a geom that was given none. MuJoCo then takes the material's (``setMaterial`` in
+"""MuJoCo's default colour of geoms. A geom with this colour takes its material's (``setMaterial`` in
 ``engine_vis_visualize.c``)."""
 
 
 def is_seen(model: mujoco.MjModel, geom: int) -> bool:
-    """Say whether a geom is in a group that is shown, and not fully transparent."""
+    """Return whether a geom is in a visible group and not fully transparent."""
     return bool(model.geom_group[geom] < SHOWN_GROUPS and colour_of(model, geom)[3] > 0)
 
 
 def takes_material(model: mujoco.MjModel, geom: int) -> bool:
-    """Say whether a geom has the colour of its material, and not one of its own."""
+    """Return whether a geom has the colour of its material instead of its own."""
     return bool(model.geom_matid[geom] >= 0 and tuple(model.geom_rgba[geom]) == _UNTOUCHED)
 
 
 def colour_of(model: mujoco.MjModel, geom: int) -> Array:
-    """Return red, green, blue and opacity of a geom, each 0 to 1, shape (4,). Textures are not drawn."""
+    """Return red, green, blue and opacity of a geom, each 0 to 1, shape (4,), without textures."""
     own = not takes_material(model, geom)
     return np.asarray(model.geom_rgba[geom] if own else model.mat_rgba[model.geom_matid[geom]], dtype=float)

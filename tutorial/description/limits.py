@@ -1,4 +1,4 @@
-"""A joint's limits and losses in URDF: its range, its largest effort, its damping and friction."""
+"""A joint's limits and losses in URDF: range, effort, velocity, damping and friction."""
 
 from xml.etree.ElementTree import Element, SubElement
 
@@ -9,13 +9,13 @@ from tutorial.description.poses import numbers
 from tutorial.model.actuators import actuators_of, is_motor
 
 UNLIMITED = 1e9
-"""Where the model sets no limit [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""
+"""Stands for "no limit" [rad, m, N.m, N, rad/s or m/s], because URDF requires a number."""
 
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
-    """Add a ``<limit>``: the range, where the joint has one or slides, what its actuators can do, and its speed.
+    """Add a ``<limit>``: the effort, the velocity and, for a limited or a slide joint, the range.
 
-    MuJoCo limits no speed: a model says it as the joint's ``user`` value.
+    MuJoCo does not limit velocities; a model sets this limit as the joint's ``user`` value.
     """
     fastest = max((*model.jnt_user[joint], 0.0)[0], 0.0) or UNLIMITED
     limit = {"effort": numbers([_effort(model, joint)]), "velocity": numbers([fastest])}
@@ -26,7 +26,7 @@ def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
 
 
 def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:
-    """Add the joint's damping [N.m.s/rad or N.s/m] and friction [N.m or N] as ``<dynamics>``, where it has any."""
+    """Add the joint's damping [N.m.s/rad or N.s/m] and friction [N.m or N] as ``<dynamics>``, if it has any."""
     dof = model.jnt_dofadr[joint]
     damping, friction = model.dof_damping[dof], model.dof_frictionloss[dof]
     if damping or friction:
@@ -34,7 +34,7 @@ def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:
 
 
 def _effort(model: mujoco.MjModel, joint: int) -> float:
-    """The largest torque or force [N.m or N] on a joint: its own limit, or what its actuators can do together."""
+    """Return a joint's largest torque or force [N.m or N]: its own limit, or the sum of its actuators' limits."""
     if model.jnt_actfrclimited[joint]:
         return float(np.abs(model.jnt_actfrcrange[joint]).max())
     actuators = actuators_of(model, joint)

@@ -1,4 +1,4 @@
-"""Poses as 4 x 4 matrices, and how URDF writes them: a position, and roll, pitch and yaw."""
+"""Poses as 4 x 4 matrices, and in URDF's notation: position, and roll, pitch and yaw."""
 
 from collections.abc import Iterable
 from math import atan2, hypot
@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 Matrix = NDArray[np.floating[Any]]
 
 NOTHING = 1e-12
-"""What is smaller [m] or [rad] comes from rounding, and is written as 0."""
+"""Smaller numbers [m] or [rad] are rounding errors, and are written as 0."""
 GIMBAL_LOCK = 1e-9
-"""Where the cosine of the pitch is smaller, roll and yaw turn about the same axis: yaw counts as 0."""
+"""If the cosine of the pitch is smaller, roll and yaw turn about the same axis: yaw is set to 0."""
 
 
 def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
-    """Make a pose of a position (3,) [m] and a unit quaternion (4,) in MuJoCo's order, w first."""
+    """Make a pose from a position (3,) [m] and a unit quaternion (4,) in MuJoCo's order, w first."""
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, np.asarray(orientation_wxyz, dtype=float))
     matrix = np.eye(4)
@@ -40,7 +40,7 @@ def turn(axis: ArrayLike, angle: float) -> Matrix:
 
 
 def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
-    """Return the angles [rad] about the fixed axes x, y and z, in this order, that make a rotation (3, 3)."""
+    """Return the angles [rad] of a rotation (3, 3) about the fixed axes x, y and z, applied in this order."""
     (r00, _, _), (r10, r11, r12), (r20, r21, r22) = rotation[:, :3].tolist()
     cosine = hypot(r00, r10)
     if cosine < GIMBAL_LOCK:
@@ -56,5 +56,5 @@ def add_origin(parent: Element, matrix: Matrix) -> None:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Write numbers side by side, with twelve digits: far below a micrometre at the size of a robot."""
+    """Format numbers, separated by spaces, with twelve digits: far below a micrometre at the size of a robot."""
     return " ".join("0" if abs(value) < NOTHING else f"{value:.12g}" for value in values)

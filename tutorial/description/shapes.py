@@ -1,4 +1,4 @@
-"""MuJoCo's geoms as the shapes of URDF: what is seen of a link, and what touches."""
+"""MuJoCo's geoms as URDF shapes: the visible and the colliding parts of links."""
 
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
@@ -10,19 +10,19 @@ from tutorial.description.colour import colour_of, is_seen, takes_material
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift
 
 Shape = tuple[str, dict[str, str], Matrix]
-"""A tag of URDF, its attributes, and where it is within the geom."""
+"""A URDF tag, its attributes, and its pose relative to the geom."""
 
 MESH_FILES = {".dae", ".obj", ".stl"}
-"""What rviz2 reads."""
+"""The formats that rviz2 reads."""
 
 Geom = mujoco.mjtGeom
 
 
 def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
-    """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, as a ``<collision>`` if it touches.
+    """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, as a ``<collision>`` if it can collide.
 
     Returns:
-        What is missing then, such as ``"ellipsoid shapes"``; empty if nothing is.
+        What URDF cannot express, such as ``"ellipsoid shapes"``; empty if the geom is complete.
     """
     seen = is_seen(model, geom)
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
@@ -48,14 +48,14 @@ def _add(link: Element, tag: str, model: mujoco.MjModel, geom: int, shape: Shape
 
 
 def _material_name(model: mujoco.MjModel, geom: int) -> str:
-    """The material's; of a colour that is the geom's own, a name made from it, as equal names mean equal colours."""
+    """Return the material's name or, for a geom's own colour, a name made from it: equal names mean equal colours."""
     if takes_material(model, geom):
         return str(model.material(model.geom_matid[geom]).name.partition("/")[2])
     return "rgba_" + "".join(f"{round(255 * part):02x}" for part in colour_of(model, geom).clip(0, 1).tolist())
 
 
 def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shape]:
-    """What a geom is in URDF: of a capsule, a cylinder and two spheres; nothing where URDF has no such shape."""
+    """Return a geom's URDF shapes: a cylinder and two spheres for a capsule, none if URDF has no such shape."""
     size, middle = model.geom_size[geom], np.eye(4)
     ball = {"radius": numbers(size[:1])}
     cylinder = ("cylinder", {**ball, "length": numbers(2 * size[1:2])}, middle)
@@ -74,14 +74,14 @@ def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shap
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
-    """The file that MuJoCo has read, if there is one that others read, too.
+    """Return the mesh's file, if it has one in a format that other programs read.
 
-    MuJoCo has moved the mesh, so that its centre and its principal axes are the geom's; in the file they are not. That
-    a model moves it further (``refpos``, ``refquat``) is not kept in a compiled model, and not described.
+    MuJoCo moves a mesh so that its centre and principal axes become the geom's, so this inverts that movement. A
+    further movement in the model (``refpos``, ``refquat``) is not kept in a compiled model, and is missing here.
     """
     mesh = model.geom_dataid[geom]
     start = model.mesh_pathadr[mesh]
-    if start < 0:  # its vertices are written in the model
+    if start < 0:  # the vertices are in the model itself
         return []
     path = Path(model.paths[start:].partition(b"\0")[0].decode(errors="surrogateescape")).absolute()
     if path.suffix.lower() not in MESH_FILES:

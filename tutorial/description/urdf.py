@@ -1,8 +1,8 @@
-"""A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and others read.
+"""A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and other programs read.
 
-The links are the model's bodies, in the same places, and the joints that move are those that joint states speak of.
-Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``). A link whose
-name a joint has, too, gets another. Sensors and cameras have links of their own, the frames of their messages.
+The links are the model's bodies, in the same places. The movable joints are those in joint states. Names are the
+model's without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is renamed if a joint
+has the same name. Each sensor and camera has its own link, which is the frame of its messages.
 """
 
 import logging
@@ -23,29 +23,29 @@ from tutorial.model.couplings import NOT_COMPUTED, Coupling, active_equalities, 
 from tutorial.model.urdf_file import NO_MASS
 
 ROOT = "base_link"
-"""The link that stands where the body's root does. A free joint moves it, and is not in the description."""
+"""The link of the body's root. The free joint that moves it is not in the description."""
 
 WORLD, FIRST = 0, 1
-"""MuJoCo's numbers of the world, which the bodies stand in, and of the root."""
+"""MuJoCo's ids of the world and of the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
 
 OPTICAL = turn((1.0, 0.0, 0.0), pi)
-"""From a camera's axes in MuJoCo, z back and y up, to those of an optical frame, z ahead and y down (REP 103)."""
+"""From MuJoCo's camera frame, z back and y up, to an optical frame, z forward and y down (REP 103)."""
 
 _log = logging.getLogger(__name__)
 
 
 def robot_description(body: Body) -> str:
-    """Write the URDF of a body.
+    """Return the URDF of a body.
 
-    What URDF does not have is left out, such as tendons and ellipsoids. Joints that joint states do not contain are
-    fixed in the model's first position: those of a group that MuJoCo hides, ball joints, joints without a name. A joint
-    with a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts
-    them. If the description moves differently from the robot, a warning is logged, too.
+    Elements that URDF does not have are left out, such as tendons and ellipsoids. Joints that are missing in joint
+    states are fixed in the model's initial position: those in hidden groups, ball joints, joints without a name. A
+    joint with a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top
+    counts all of these. If the description moves differently from the robot, a warning is logged, too.
 
     Args:
-        body: a displayed body: its model has nothing else in it.
+        body: a displayed body, whose model contains nothing else.
 
     Returns:
         The XML. Lengths are in m, angles in rad, inertias in kg.m^2.
@@ -54,13 +54,13 @@ def robot_description(body: Body) -> str:
 
 
 class _Writer:
-    """Writes one robot description, parents before children, as MuJoCo numbers them."""
+    """Writes one robot description in MuJoCo's order, which puts parents before children."""
 
     def __init__(self, body: Body) -> None:
         self.body = body
         self.model = body.model
         self.robot = Element("robot", name=body.name)
-        self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's numbers of bodies
+        self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's body id
         names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
         self.published = frozenset(body.joint_names)  # in joint states
         self.mimics = self._mimics()
@@ -80,12 +80,12 @@ class _Writer:
         self._add_sensors()
         self._say_what_is_missing()
         ElementTree.indent(self.robot)
-        # in ASCII, where other characters are numbers: so it is the same in every file and on every terminal
+        # in ASCII with character references, so that the encoding of files and terminals does not matter
         text = ElementTree.tostring(self.robot, encoding="us-ascii", xml_declaration=False)
         return f'<?xml version="1.0"?>\n{text.decode("ascii")}\n'
 
     def _add_body(self, number: int) -> None:
-        """Add a body's link, and what joins it to its parent's."""
+        """Add a body's link, and the joints to its parent's link."""
         place = self._place(number)
         if place is None:
             self.moves_otherwise["bodies that move freely beside others"] += 1
@@ -123,9 +123,9 @@ class _Writer:
         return self._plain(self.model.joint(joint).name)
 
     def _place(self, number: int) -> Matrix | None:
-        """Where a body stands in its parent, with its joints at rest; None if no joint state says how it moves there.
+        """Return a body's pose in its parent at rest; None if it moves freely, which joint states do not describe.
 
-        The root link is where the root stands, wherever that is in the world.
+        Poses are relative to the root, wherever that is in the world.
         """
         model = self.model
         place = pose(model.body_pos[number], model.body_quat[number])
@@ -138,8 +138,8 @@ class _Writer:
     def _lead(self, parent: Element, joints: list[int], place: Matrix, name: str) -> Element:
         """Add a link, and the joints that lead to it.
 
-        URDF has one joint between two links, and its axis goes through the child's frame. So a link without a mass
-        stands between two joints, and on an axis that does not meet the body's frame.
+        URDF allows one joint between two links, with its axis through the child's frame. So this adds massless links
+        between joints, and on an axis that does not pass through the body's frame.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)
@@ -154,7 +154,7 @@ class _Writer:
         return self._add_fixed(parent, name, place)
 
     def _joints(self, number: int) -> list[int]:
-        """Return MuJoCo's numbers of a body's joints that joint states speak of; count those that are fixed."""
+        """Return the MuJoCo ids of a body's movable joints; count those that are fixed."""
         model, moving = self.model, []
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
@@ -174,9 +174,9 @@ class _Writer:
         return bool(joint >= 0 and self.model.jnt_type[joint] == FREE)
 
     def _axis(self, joint: int) -> tuple[Matrix, Matrix]:
-        """Where a joint's axis is in its body, and how the joint stands at 0, seen from where the model begins.
+        """Return a joint's anchor in its body, and the transform from the model's initial position to the joint's zero.
 
-        The axis of one that slides has no place. A model need not begin at 0 (``ref`` in MJCF).
+        A slide joint has no anchor. A model's initial position need not be 0 (``ref`` in MJCF).
         """
         axis, begins = self.model.jnt_axis[joint], float(self.model.qpos0[self.model.jnt_qposadr[joint]])
         if self.model.jnt_type[joint] == SLIDE:
@@ -211,7 +211,7 @@ class _Writer:
             SubElement(element, "mimic", {"joint": self._joint_name(leader), **factors})
 
     def _add_inertia(self, link: Element, number: int) -> None:
-        """Add mass and inertia: MuJoCo has it along its principal axes, URDF along the link's."""
+        """Add mass and inertia, converted from MuJoCo's principal axes to the link's axes."""
         model = self.model
         if model.body_mass[number] <= NO_MASS:
             return
@@ -231,7 +231,7 @@ class _Writer:
             self.left_out[missing] += 1
 
     def _add_sensors(self) -> None:
-        """Add a link for each sensor on a site, called like it, and for each camera: its optical frame."""
+        """Add a link for each sensor on a site, with the sensor's name, and one for each camera's optical frame."""
         model = self.model
         sensors = np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist()
         cameras = map(model.camera, range(model.ncam))
@@ -246,23 +246,23 @@ class _Writer:
                 self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
-        """Say it at the top of the description, and in the log what makes it move other than the robot.
+        """List omissions in a comment at the top, and log those that make the description move differently.
 
-        Without a colon: ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` reads the description as YAML.
+        The comment has no colon, as ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses it as YAML.
         """
         missing = +(self.left_out + self.moves_otherwise)
         if missing:
-            self.robot.insert(0, Comment(f" Other than in the MuJoCo model are {_counted(missing)} "))
+            self.robot.insert(0, Comment(f" Differences from the MuJoCo model are {_counted(missing)} "))
         if self.moves_otherwise:
             others = _counted(self.moves_otherwise)
             _log.warning("the robot description of %s does not move as the robot does: %s", self.body.name, others)
 
     def _plain(self, name: str) -> str:
-        """A name as the model's file has it, without the body's before it."""
+        """Return a name as in the model's file, without the body's prefix."""
         return name.removeprefix(f"{self.body.name}/")
 
     def _unused(self, kind: str, name: str) -> str:
-        """A name that no other link, or no other joint, has: this one, or one made from it."""
+        """Return this name, or one derived from it if another link or joint already has it."""
         while name in self.names[kind]:
             name += "_"
         self.names[kind].add(name)
