@@ -1,4 +1,5 @@
-"""The controllers that the tutorial builds, one file per step.
+"""The controllers that the tutorial builds.
 
-Projects name a controller by its class; its file has the same name in lower_snake. There is no other list of them.
+Projects refer to a controller by its class name. Its file has the same name in lower_snake_case, and there is no
+separate list.
 """

@@ -14,7 +14,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 
 
 def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
-    """Open a new bag for joint states. Its name has the current time, as with `ros2 bag record`."""
+    """Open a new bag for joint states. Its name contains the current time, as with `ros2 bag record`."""
     name = f"rosbag2_{datetime.now():%Y_%m_%d-%H_%M_%S}"
     bag = Writer(folder / name, version=9, storage_plugin=StoragePlugin.MCAP)  # as of Jazzy
     bag.open()
@@ -25,7 +25,7 @@ def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
 class BagRecorder(SimpleController):
     """Record the joint states that others publish about the body, byte for byte."""
 
-    folder = Path()  # of the bags: the one in which the program was started
+    folder = Path()  # of the bags: the current directory
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Open a bag, and start a thread that writes into it; then listen."""
@@ -43,12 +43,12 @@ class BagRecorder(SimpleController):
             self.received.put((self.node.get_clock().now().nanoseconds, payload))
 
     def write(self) -> None:  # the recorder's own thread: a disk takes its time
-        """Write the messages from the queue, until None comes."""
+        """Write the messages from the queue until it yields None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 
     def unconfigure(self) -> None:  # main thread
-        """Stop listening, let the thread write the rest, and close the bag."""
+        """Stop listening, let the thread write the remaining messages, and close the bag."""
         self.node.destroy_subscription(self.subscription)
         self.received.put(None)
         self.writer.join()

@@ -28,7 +28,7 @@ class ImuPublisher(SimpleController):
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Note what the sensors measure; publish the averages, when it is time."""
+        """Record the sensors' values; publish the averages when a message is due."""
         self.samples.append([sensor.value for sensor in self.sensors])
         if self.io.step % self.steps_per_message == 0:
             message = imu(*np.mean(self.samples, axis=0).tolist())
@@ -43,7 +43,7 @@ class ImuPublisher(SimpleController):
 
 
 def imu(acceleration: Sequence[float], velocity: Sequence[float]) -> Imu:
-    """Return a message of acceleration [m/s^2] and angular velocity [rad/s], each x, y, z; without an orientation."""
+    """Return a message with acceleration [m/s^2] and angular velocity [rad/s], each x, y, z, and no orientation."""
     message = Imu()
     a, w = message.linear_acceleration, message.angular_velocity
     a.x, a.y, a.z = acceleration

@@ -11,14 +11,14 @@ from sensor_msgs.msg import Imu
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
 
-BLOW = 20.0  # [m/s^2] horizontal acceleration, beyond which something was hit
+BLOW = 20.0  # [m/s^2] horizontal acceleration that counts as a blow
 DURATION = 0.5  # [s]
 PERIOD = 0.02  # [s]
 AMPLITUDE = 0.02  # [m] in each direction
 
 
 class ImuSubscriber(SimpleController):
-    """Show the acceleration and the angular velocity that another program publishes; a blow shakes the body."""
+    """Show the acceleration and angular velocity that another program publishes, and shake the body after a blow."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Subscribe to the topic that is named after the body."""
@@ -55,14 +55,14 @@ class Shaker:
         self.timer: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Shake from now on. If the body shakes already, go on for longer, about the same place."""
+        """Start shaking. If the body is already shaking, extend that at the same place."""
         self.ends_at = asyncio.get_running_loop().time() + DURATION
         if self.timer is None:
             self.place = self.body.position
             self.shake()
 
     def shake(self) -> None:
-        """Move the body a little, and make the next timer; stop when the time is over."""
+        """Move the body a little and start the next timer, or stop when the time is over."""
         loop = asyncio.get_running_loop()
         if loop.time() < self.ends_at:
             self.timer = loop.call_later(PERIOD, self.shake)
@@ -71,7 +71,7 @@ class Shaker:
             self.stop()
 
     def stop(self) -> None:
-        """Put the body back. Does nothing if the body does not shake."""
+        """Put the body back if it is shaking."""
         if self.timer is not None:
             self.timer.cancel()
             self.timer = None

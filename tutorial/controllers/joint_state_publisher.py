@@ -23,12 +23,12 @@ class JointStatePublisher(SimpleController):
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Publish, when it is time."""
+        """Publish when a message is due."""
         if self.io.step % self.steps_per_message == 0:
             self.publisher.publish(self.joint_state())
 
     def joint_state(self) -> JointState:
-        """Return a message of all joints, with the simulated time as its stamp."""
+        """Return a message with all joints, stamped with the simulated time."""
         message = JointState()
         message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
         message.name = [joint.name for joint in self.joints]

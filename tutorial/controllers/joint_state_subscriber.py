@@ -23,7 +23,7 @@ class JointStateSubscriber(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: JointState) -> None:  # main thread: the only one that may touch the body
-        """Move the body's joints as the message says, and update the view."""
+        """Set the body's joints from the message, and update the view."""
         positions, report = self.matcher.match(message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()

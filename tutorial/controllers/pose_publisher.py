@@ -1,4 +1,4 @@
-"""Step 7: publish where the simulated robot is."""
+"""Step 7: publish the pose of the simulated robot."""
 
 from geometry_msgs.msg import TransformStamped, Vector3
 from nav_msgs.msg import Odometry
@@ -14,7 +14,7 @@ class PosePublisher(SimpleController):
     """Publish the pose of the body's root in the frame ``odom`` at 50 Hz, as a transform, and as odometry."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Create the publishers: of ``/tf``, which all robots share, and of the body's own topic."""
+        """Create the publishers: for ``/tf``, which all robots share, and for the body's own topic."""
         self.node = config.node
         self.tf_publisher = self.node.create_publisher(TFMessage, "/tf", 100)
         self.odom_publisher = self.node.create_publisher(Odometry, f"{config.body.name}/odom", 10)
@@ -25,7 +25,7 @@ class PosePublisher(SimpleController):
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Publish, when it is time."""
+        """Publish when a message is due."""
         if self.io.step % self.steps_per_message == 0:
             message = odometry(self.io)
             self.odom_publisher.publish(message)
@@ -38,10 +38,10 @@ class PosePublisher(SimpleController):
 
 
 def odometry(io: ControllerIO) -> Odometry:
-    """Return the pose and the velocity of the body's root, with the simulated time as stamp.
+    """Return the pose and the velocity of the body's root, stamped with the simulated time.
 
-    The pose [m] is in the parent frame, the velocity [m/s], [rad/s] in the child frame, as the message's definition
-    says. The covariances stay zero: a simulator knows both exactly.
+    As the message's definition demands, the pose [m] is in the parent frame, and the velocity [m/s], [rad/s] in the
+    child frame. The covariances stay zero, because a simulator knows both exactly.
     """
     message = Odometry()
     message.header.stamp = Time(nanoseconds=io.time_ns).to_msg()
@@ -55,7 +55,7 @@ def odometry(io: ControllerIO) -> Odometry:
 
 
 def transform(message: Odometry) -> TransformStamped:
-    """Return the pose of an odometry message as a transform, from its child frame to the parent."""
+    """Return the pose of an odometry message as a transform from its child frame to its parent frame."""
     p, q = message.pose.pose.position, message.pose.pose.orientation
     stamped = TransformStamped(header=message.header, child_frame_id=message.child_frame_id)
     stamped.transform.translation = Vector3(x=p.x, y=p.y, z=p.z)

@@ -1,4 +1,4 @@
-"""Step 7: show where another program's robot is, and its joints, both of the same moment."""
+"""Step 7: show the pose and the joints of another program's robot, both from the same time."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,10 +17,10 @@ ALONE, REPEATED = "without a partner of the same stamp", "of a stamp that was th
 
 
 class PoseSubscriber(SimpleController):
-    """Show the pose and the joint states that another program publishes: both of one stamp together, or neither."""
+    """Show the pose and the joint states that another program publishes, always as a pair with equal stamps."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Subscribe to the body's joint states, and to the transforms of all robots."""
+        """Subscribe to the body's joint states, and to all robots' transforms."""
         self.body, self.node, self.call_later = config.body, config.node, config.call_later
         self.frame = f"{self.body.name}/base_link"
         self.tally = Tally(self.body.name, self.node)
@@ -31,7 +31,7 @@ class PoseSubscriber(SimpleController):
         self.matcher = JointMatcher(self.body.joint_ranges, self.joint_states.get_publisher_count)
 
     def make_pairs(self) -> Any:
-        """Return what finds the two messages of one stamp."""
+        """Return the object that pairs messages with equal stamps."""
         return StampPairs(self.tally.leave_out)
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
@@ -39,20 +39,20 @@ class PoseSubscriber(SimpleController):
         self.call_later(self.take, "joints", message)
 
     def on_tf(self, message: TFMessage) -> None:  # executor's thread
-        """Hand the transform of this body to the main thread, and leave out the others'."""
+        """Hand this body's transform to the main thread, and ignore the transforms of other bodies."""
         own = [each for each in message.transforms if each.child_frame_id == self.frame]
         for transform in own[:1]:
             self.call_later(self.take, "pose", transform)
 
     def take(self, stream: str, message: JointState | TransformStamped) -> None:  # main thread
-        """Show the message and its partner, if that has come; otherwise keep the message."""
+        """Show the message together with its partner, or keep it until its partner arrives."""
         if fault := fault_of(message):
             self.tally.leave_out(fault)
         elif pair := self.pairs.add(stream, message):
             self.show(*pair)
 
     def show(self, joints: JointState, pose: TransformStamped) -> None:
-        """Set the pose and the joints of one moment in one go. A late message moves neither."""
+        """Set the pose and the joints together. A late message changes neither."""
         positions, report = self.matcher.match(joints)
         if not report.dropped:
             set_pose(self.body, pose.transform)
@@ -68,20 +68,20 @@ class PoseSubscriber(SimpleController):
 
 
 def set_pose(body: Body, transform: Transform) -> None:
-    """Put a displayed body where a transform in the frame ``odom`` says. Main thread."""
+    """Set the pose of a displayed body to a transform in the frame ``odom``. Main thread."""
     p, q = transform.translation, transform.rotation
     body.position = p.x, p.y, p.z
     body.orientation_wxyz = q.w, q.x, q.y, q.z
 
 
 class StampPairs:
-    """Finds the messages of two streams that have the same stamp, much like `message_filters.TimeSynchronizer`.
+    """Pairs the messages of two streams by equal stamps, much like `message_filters.TimeSynchronizer`.
 
-    A message waits for its partner. Both streams are in order, so a message that came before a pair gets no partner
-    any more. If too many wait, the one that came first goes, whatever its stamp: a publisher may start again, from 0.
+    A message waits for its partner. Both streams are in order, so a message older than a pair will not get a partner.
+    If too many messages wait, the first to arrive is dropped, whatever its stamp: a publisher can restart from 0.
 
     Args:
-        leave_out: called with the reason for each message that gets no partner.
+        leave_out: called with the reason for each message that is dropped.
     """
 
     def __init__(self, leave_out: Callable[[str], object]) -> None:
@@ -90,7 +90,7 @@ class StampPairs:
         self.newest: tuple[int, int] | None = None  # the stamp of the last pair
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Take the next message of a stream. Return the joints and the pose of its stamp; None if one is missing."""
+        """Add the next message of a stream. Return the joints and the pose of its stamp; None if one is missing."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         if stamp == self.newest:
             self.leave_out(REPEATED)

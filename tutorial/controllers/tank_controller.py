@@ -73,9 +73,9 @@ class AimedJoint:
 
 
 def four_axes(message: Joy) -> list[float]:
-    """Return the sticks' axes, each in [-1, 1]. An axis that is missing, or not finite, counts as 0.
+    """Return the sticks' axes, each in [-1, 1]. An axis that is missing or not finite counts as 0.
 
-    Anybody may publish anything, so limit every value before you use it.
+    Any program can publish anything, so limit every value before you use it.
     """
     axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]  # a message may have a million
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
@@ -93,7 +93,7 @@ def dead_zone(axis: float, width: float) -> float:
 
 
 def complain(node: Node, message: Joy) -> None:
-    """Log, once in five seconds, which axes are outside the range of a stick."""
+    """Log which axes are outside the range of a stick, at most once every five seconds."""
     odd = [axis for axis in message.axes[:4] if not -1.0 <= axis <= 1.0]  # NaN is between no numbers
     if odd:
         text = f"the joystick has axes outside -1 to 1: {odd}. They are limited, or count as 0"
