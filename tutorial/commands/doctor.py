@@ -53,7 +53,7 @@ class Diagnosis(NamedTuple):
     """The result of one probe.
 
     Attributes:
-        level: ``"ok"``; ``"note"`` if the result can surprise; ``"problem"`` if something does not work.
+        level: ``"ok"``; ``"note"`` if the result may surprise; ``"problem"`` if something does not work.
         text: what the probe found.
         mend: the fix, such as a command. Notes and problems have one.
     """

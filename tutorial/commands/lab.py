@@ -26,8 +26,8 @@ BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
 def own_course() -> Path:
     """Return the learner's course folder; if there is none, make one in the current directory.
 
-    Learners must not edit the notebooks of an installed package: all users would see the changes, and the next version
-    would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the
+    Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
+    version would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the
     learner's folder stay unchanged; only missing files are added, such as a later version's new notebook.
 
     Raises:
@@ -104,7 +104,7 @@ def trust(folder: Path, **settings: str) -> None:
 def _add_missing(course: Path) -> int:
     """Copy the files that are missing in a learner's course folder; return how many.
 
-    Copies are writable even if the originals are not. Each is replaced atomically, so none is ever incomplete.
+    Copies are writable even if the originals are not. Each is moved into place when it is complete.
     """
     missing = [(target, source) for target, source in _course_files(course) if not target.exists()]
     for target, source in missing:
@@ -118,7 +118,7 @@ def _add_missing(course: Path) -> int:
 def _course_files(course: Path) -> Iterator[tuple[Path, Path]]:
     """Yield each file of a learner's course folder, with the file to copy it from.
 
-    They include the library's controllers for reading, because the notebooks refer to them.
+    They include the library's controllers, because the notebooks refer to them.
     """
     for source in SHIPPED.rglob("*"):
         if source.is_file() and source.suffix != ".pyc":  # pip compiles the launch files, too

@@ -147,7 +147,7 @@ def demo(duration: float | None, headless: bool) -> int:
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
     say("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
-    say("Look at the two addresses that the simulation and the viewer print.\n")
+    say("Open the two addresses below in a browser.\n")
     say(f"It ends after {duration:g} s.\n" if duration else "Ctrl-C ends it.\n")
     with tempfile.TemporaryDirectory(prefix="tank-") as directory:
         status = _launch("step3", duration, headless, Path(directory))
@@ -212,7 +212,7 @@ for command in (bag, chaos, check, node, package, ros, topic):
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Split ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, off the command's own."""
+    """Separate the command's own arguments from ROS 2's, which go from ``--ros-args`` to ``--`` or the end."""
     if "--ros-args" not in words:
         return words, []
     begin = words.index("--ros-args")

@@ -27,7 +27,7 @@ class _LogFormatter(logging.Formatter):
 
 
 def prepare_output() -> None:
-    """Log on stderr, and escape characters on stdout that the terminal's encoding does not have."""
+    """Log on stderr, and escape characters on stdout that the terminal's encoding lacks."""
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as Python does on stderr
     handler = logging.StreamHandler()
@@ -77,7 +77,7 @@ def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[
 
 
 def until_asked(program: Awaitable[None]) -> bool:
-    """Run a program on a new event loop until it ends, or until Ctrl-C or SIGTERM; return whether that came."""
+    """Run a program on a new event loop until it ends, or until Ctrl-C or SIGTERM; return whether one came."""
     asked = threading.Event()
 
     async def body() -> None:

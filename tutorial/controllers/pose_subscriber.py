@@ -12,7 +12,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import JointMatcher
 from tutorial.pose_faults import Tally, fault_of
 
-MOST_WAITING = 50  # messages of a topic: a second of them
+MOST_WAITING = 50  # messages per topic: a second's worth
 ALONE, REPEATED = "without a partner of the same stamp", "of a stamp that was there"
 
 

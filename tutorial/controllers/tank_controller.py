@@ -94,7 +94,7 @@ def dead_zone(axis: float, width: float) -> float:
 
 def complain(node: Node, message: Joy) -> None:
     """Log which axes are outside the range of a stick, at most once every five seconds."""
-    odd = [axis for axis in message.axes[:4] if not -1.0 <= axis <= 1.0]  # NaN is between no numbers
+    odd = [axis for axis in message.axes[:4] if not -1.0 <= axis <= 1.0]  # NaN fails every comparison
     if odd:
         text = f"the joystick has axes outside -1 to 1: {odd}. They are limited, or count as 0"
         node.get_logger().warning(text, throttle_duration_sec=5.0)

@@ -88,7 +88,7 @@ class _Writer:
         """Add a body's link, and the joints to its parent's link."""
         place = self._place(number)
         if place is None:
-            self.moves_otherwise["bodies that move freely beside others"] += 1
+            self.moves_otherwise["bodies that move freely relative to the root"] += 1
             return
         parent = self.links[int(self.model.body_parentid[number])]
         name, joints = self._plain(self.model.body(number).name), self._joints(number)
@@ -226,7 +226,7 @@ class _Writer:
     def _add_geom(self, geom: int) -> None:
         number = int(self.model.geom_bodyid[geom])
         if number == WORLD:
-            self.left_out["shapes in no body"] += 1
+            self.left_out["shapes outside of bodies"] += 1
         elif number in self.links and (missing := add_shapes(self.links[number], self.model, geom)):
             self.left_out[missing] += 1
 

@@ -33,6 +33,6 @@ async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float
             await asyncio.shield(playing)
         finally:
             stop.set()
-            await playing  # the player destroys its publishers, which must precede the node's end
+            await playing  # the player has to destroy its publishers before the node closes
     finally:
         thread.close()

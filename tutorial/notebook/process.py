@@ -31,8 +31,8 @@ def prepare_process() -> None:
     - Keep the library's log lines for `tutorial.notebook.log`, and send them nowhere else.
     - Close everything that is open when the process ends.
     - Have IPython point out a missing ``await`` where a cell would display a coroutine.
-    - Have the kernel handle a page's messages on the thread that the page asks for, and on the main thread between
-      cells.
+    - Have the kernel handle a page's messages on the thread that the page asks for, and on the main thread only
+      between cells.
     """
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))

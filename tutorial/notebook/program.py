@@ -47,7 +47,7 @@ class Program:
 
     Attributes:
         host: the node, the bodies and the controllers.
-        view: the 3D view. A cell whose last line it is shows it; several cells can.
+        view: the 3D view. To show it, put it on a cell's last line, in as many cells as you like.
         trace: when each message was received, posted and applied, and on which thread.
     """
 
@@ -132,7 +132,7 @@ class Program:
         self.simulation.stop()
 
     def advance(self, seconds: float) -> None:
-        """Simulate as fast as the machine can, after stopping a simulation in real time.
+        """Stop a simulation in real time, and simulate as fast as the machine can.
 
         Successive calls form one run: the controllers keep their state.
 
@@ -214,7 +214,7 @@ class Program:
     def _draw(self) -> None:
         """Refresh the view outside `run`, and schedule the next refresh.
 
-        While the page is gone, refresh and simulate in longer intervals, and after `REST_AFTER` stop the simulation. If
+        While the page is gone, refresh and simulate at longer intervals, and after `REST_AFTER` stop the simulation. If
         no page has been opened yet, the simulation goes on.
         """
         is_gone = CellWidget.page_is_gone()

@@ -74,7 +74,7 @@ class View:
 
         Args:
             name: a new name for `update` and `remove`, without a slash.
-            model: the model, of which the geoms in groups 0 to 2 are drawn.
+            model: the model. Its geoms in groups 0 to 2 are drawn.
 
         Raises:
             WrongThreadError: the current thread is not the scene's.
@@ -88,13 +88,13 @@ class View:
         self.update(name, data)
 
     def update(self, name: str, data: mujoco.MjData) -> None:
-        """Move the bodies that have moved since the last time. What stands still costs next to nothing.
+        """Draw the MuJoCo bodies in their current poses. Bodies that have not moved cost next to nothing.
 
-        What the data's inertial sensors have measured is shown by arrows, a little smoothed from `flush` to `flush`.
+        Arrows show what the inertial sensors have measured, slightly smoothed from `flush` to `flush`.
 
         Args:
             name: as given to `add`.
-            data: of the same model, with the bodies' poses computed (``mj_step``, ``mj_forward`` or
+            data: data of the same model, with the bodies' poses computed (``mj_step``, ``mj_forward`` or
                 ``mj_kinematics``).
 
         Raises:

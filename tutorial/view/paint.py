@@ -1,4 +1,4 @@
-"""Paints the geoms that stale joints move grey, and later in their own colours again."""
+"""Paints geoms grey while the joints that move them are stale."""
 
 from collections.abc import Collection, Iterator
 
@@ -29,7 +29,7 @@ class Paint:
             self._geoms.append((joints, f"{path}/<object>", colour_of(model, geom).tolist()))
 
     def stale(self, joints: Collection[str]) -> Iterator[tuple[str, list[float]]]:
-        """Make exactly these joints stale; yield each change of colour: (path, [red, green, blue, opacity])."""
+        """Mark exactly these joints as stale; yield each change of colour: (path, [red, green, blue, opacity])."""
         before, self._stale = self._stale, frozenset(joints)
         if before == self._stale:
             return

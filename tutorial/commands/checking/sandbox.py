@@ -47,7 +47,7 @@ def sandbox(folder: str) -> list[str]:
         folder: the writable folder. Files written there are invisible outside the sandbox.
     """
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
-    shown = COURSE if is_course(PACKAGE.parent) else ()  # empty, to mark a checkout
+    shown = COURSE if is_course(PACKAGE.parent) else ()  # empty folders that mark a checkout
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # as root could write there
@@ -77,7 +77,7 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
 
     Args:
         seconds: the limit of processor time per process [s].
-        is_sandboxed: whether to limit the number of processes, which is counted per sandbox, and refuse some calls.
+        is_sandboxed: whether to limit the number of processes in the sandbox, and refuse some system calls.
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():

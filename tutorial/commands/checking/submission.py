@@ -128,7 +128,10 @@ async def _bound_memory(pid: int) -> None:
 
 
 def _mapped(process: psutil.Process) -> int:
-    """Return the address space [bytes]; on macOS, where that is always huge, the resident memory; 0 after its end."""
+    """Return the address space [bytes]; 0 for a process that has ended.
+
+    On macOS, where that is always hundreds of GB, return the resident memory instead.
+    """
     with suppress(psutil.Error):
         return int(getattr(process.memory_info(), "rss" if sys.platform == "darwin" else "vms"))
     return 0

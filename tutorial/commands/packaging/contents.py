@@ -16,11 +16,11 @@ from tutorial.system.paths import HOME, PACKAGE, find_home
 
 TEMPLATES = Path(__file__).parent / "template"
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
-"""An address that catkin_pkg accepts, with which colcon reads package.xml."""
+"""An email address that catkin_pkg accepts, the parser that colcon uses for package.xml."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 """An import statement, and the imported top-level module."""
 DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
-"""rosdep's keys of modules whose names differ from their packages'. Those of messages do not differ."""
+"""rosdep's keys for modules whose package has a different name. Message modules are named after their packages."""
 NOBODY = ("Your Name", "you@example.com")
 """A placeholder that the learner has to fill in."""
 

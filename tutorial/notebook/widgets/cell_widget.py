@@ -43,11 +43,11 @@ def parse_message(content: object, kind: type[T]) -> T | None:
 
 
 class CellWidget(anywidget.AnyWidget):
-    """A widget with an `end` and a `close` that are idempotent, and the same ``repr`` in every run.
+    """A widget with an idempotent `end` and `close`, and the same ``repr`` in every run.
 
     Attributes:
         ended: whether the widget has ended. Its last content stays on the page, marked as the last.
-        heard_at: time of the last message from any view or joystick, from `time.monotonic` [s]; infinite before it.
+        heard_at: time of the last message from any view or joystick, from `time.monotonic` [s]; infinite at first.
     """
 
     heard_at: ClassVar[float] = math.inf

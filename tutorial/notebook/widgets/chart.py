@@ -152,7 +152,7 @@ def tick_text(value: float, step: float) -> str:
 
 
 def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
-    """Thin out points that would not be visible. Of each stretch, the lowest and the highest point stay.
+    """Remove points that would not be visible, keeping the lowest and the highest of each stretch.
 
     Args:
         points: the points, sorted by x.

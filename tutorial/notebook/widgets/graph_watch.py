@@ -17,8 +17,8 @@ from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, message_class
 
-MOST = 40  # nodes to show, and as many topics
-LOOKS_KEPT = 7  # counts of a topic, from which its rate is computed
+MOST = 40  # limit of the nodes to show, and of the topics
+LOOKS_KEPT = 7  # counts of a topic that its rate is computed from
 DEPTH = 100  # messages that can wait for the executor before any are lost to the count
 
 

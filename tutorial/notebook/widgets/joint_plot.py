@@ -23,7 +23,7 @@ SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad], infinity included
 LEAST_SPAN = 0.02  # [rad] smallest range of the y axis
-RESTART = 1.0  # [s] that stamps jump back at least when the publisher restarts
+RESTART = 1.0  # [s] stamps that jump back further mean that the publisher restarted
 
 
 class _Sample(NamedTuple):
