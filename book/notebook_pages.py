@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ CONTROLLERS = re.compile(r"\]\(\.\./tutorial/controllers[^)]*\)")
 
 
 def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
-    """Write every notebook into the folder of pages, unless its page is up to date.
+    """Write every notebook, with its drawings, into the folder of pages, unless its page is up to date.
 
     Raises:
         FileNotFoundError: a displayed widget has no saved figure. Run ``make notebooks``.
@@ -25,6 +26,7 @@ def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
     for page in pages.glob("*.ipynb"):
         if not (notebooks / page.name).exists():
             page.unlink()
+    shutil.copytree(notebooks / "images", pages / "images", dirs_exist_ok=True)
     for path in sorted(notebooks.glob("[0-9]_*.ipynb")):
         notebook = json.loads(path.read_text(encoding="utf-8"))
         _put_in_place(notebook, kept / path.stem)

@@ -119,7 +119,7 @@ def test_an_installed_course_has_the_files_that_it_links_to(installed, tmp_path)
     home, course = map(Path, run("-c", code, cwd=".", **installed).split())
     assert home == tmp_path / "site" / "tutorial" / "_files"
     texts = [path.read_text("utf-8") for path in course.glob("notebooks/*.ipynb")]
-    links = {link for text in texts for link in re.findall(r"\]\((\.\./[^)#]+)", text)}
-    assert "../tutorial/controllers" in links
+    links = {link for text in texts for link in re.findall(r"\]\(((?:\.\./|images/)[^)#]+)", text)}
+    assert {"../tutorial/controllers", "images/frames.svg"} < links
     for link in links:
         assert (course / "notebooks" / link).exists(), link
