@@ -1,7 +1,7 @@
 """Poses as 4 x 4 matrices, and in URDF's notation: position, and roll, pitch and yaw."""
 
 from collections.abc import Iterable
-from math import atan2, hypot
+from math import atan2, cos, hypot, sin
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
@@ -41,11 +41,11 @@ def turn(axis: ArrayLike, angle: float) -> Matrix:
 
 def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
     """Return the angles [rad] of a rotation (3, 3) about the fixed axes x, y and z, applied in this order."""
-    (r00, _, _), (r10, r11, r12), (r20, r21, r22) = rotation[:, :3].tolist()
-    cosine = hypot(r00, r10)
-    if cosine < GIMBAL_LOCK:
-        return atan2(-r12, r11), atan2(-r20, cosine), 0.0
-    return atan2(r21, r22), atan2(-r20, cosine), atan2(r10, r00)
+    (r00, r01, r02), (r10, r11, r12), (r20, _, _) = rotation[:, :3].tolist()
+    yaw = 0.0 if hypot(r00, r10) < GIMBAL_LOCK else atan2(r10, r00)
+    cosine, sine = cos(yaw), sin(yaw)  # roll and pitch without the yaw, so that they make up for its rounding errors
+    roll = atan2(sine * r02 - cosine * r12, cosine * r11 - sine * r01)
+    return roll, atan2(-r20, cosine * r00 + sine * r10), yaw
 
 
 def add_origin(parent: Element, matrix: Matrix) -> None:
