@@ -146,7 +146,7 @@ class TestRealTime:
             assert 39 <= pace.steps_due(step) <= 100
             step += steps
         assert [text.split("the simulation runs at ")[1] for text in caplog.messages] == [
-            f"{ratio} of real time" for ratio in said
+            f"{ratio} times real time" for ratio in said
         ]
 
 

@@ -1,6 +1,6 @@
 """Matching joints by name: the second of the two ideas that the tutorial is about.
 
-In a ``sensor_msgs/JointState`` the names identify the joints. A viewer that takes the i-th entry for its i-th joint
+In a ``sensor_msgs/JointState`` the names identify the joints. A viewer that uses the i-th entry for its i-th joint
 shows the wrong pose as soon as a publisher sends its joints in a different order, or only some of them.
 `match_joints` is the idea. `JointMatcher` adds what only a stream of messages can show: late messages and rivals.
 """

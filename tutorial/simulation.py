@@ -15,7 +15,7 @@ from tutorial.handoff import Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
-SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
+SWITCH_INTERVAL = 0.0002  # [s]; with Python's default, 0.005, a busy cell starves a thread that wakes a thousand times a second
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up on; it skips the rest
@@ -332,6 +332,6 @@ class _Pace:
         if now - self._since > REPORT_EVERY:
             ratio = 1.0 - self._lost / (now - self._since)
             if ratio < SLOW:
-                _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
+                _log.warning("this machine can't keep up: the simulation runs at %.2f times real time", ratio)
             self._lost, self._since = 0.0, now
         return int(min(debt, 0.1) / self._time_step)  # small batches, so that a stop takes effect soon

@@ -72,7 +72,7 @@ class Handoff:
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
-        """Record that a newer call replaced this one at the moment when the newer one was posted."""
+        """Record that a newer call replaced this one. The time is when the newer call was posted."""
         self.superseded = newer.posted if newer is not None else Moment.now()
 
 

@@ -39,7 +39,7 @@ _log = logging.getLogger(__name__)
 def robot_description(body: Body) -> str:
     """Return the URDF of a body.
 
-    Elements that URDF does not have are left out, such as tendons and ellipsoids. Joints that are missing in joint
+    Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing in joint
     states are fixed in the model's initial position: those in hidden groups, ball joints, joints without a name. A
     joint with a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top
     counts all of these. If the description moves differently from the robot, a warning is logged, too.

@@ -146,7 +146,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
         Raises:
             TutorialError: the program simulates or is closed, a body of this name exists, or a controller does not fit
-                the body; then the body is not added.
+                the body; in that case, the body is not added.
         """
         name = entry.placement.name
         if self._closed:

@@ -1,7 +1,7 @@
 """The sandbox for processes that run a stranger's code. It uses bubblewrap, like Flatpak.
 
 It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; a
-network with only its own loopback; and processes that all end with the first one. It needs Linux, the program
+network with only its own loopback; and processes that are all killed when the first one ends. It needs Linux, the program
 ``bwrap``, the library libseccomp, and a system that lets ordinary users create namespaces.
 """
 
@@ -81,7 +81,7 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():
-        with suppress(ValueError, OSError):  # macOS has no limit of address space; a lower limit can already exist
+        with suppress(ValueError, OSError):  # macOS has no limit on address space; a lower limit can already exist
             resource.setrlimit(what, (most, most))
     if is_sandboxed:
         _refuse()

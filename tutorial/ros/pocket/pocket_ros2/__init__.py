@@ -12,7 +12,7 @@ from pathlib import Path
 __all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
-"""The folder that is added to Python's path. It is the only way to its packages, so none of them hides a real one."""
+"""The folder that is added to Python's path. Its packages are only found there, so they hide no real ones."""
 
 
 def install(*, first: bool = False) -> bool:

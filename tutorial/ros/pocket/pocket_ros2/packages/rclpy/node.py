@@ -338,7 +338,7 @@ class Node(NodeGraph, NodeParameters):
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
-        """Convert errors while creating an entity to rclpy's, even if the node or context is closed meanwhile."""
+        """Turn an error in creating an entity into rclpy's, also if the node or context was closed in the meantime."""
         self._require_context(what)
         try:
             yield
