@@ -52,7 +52,7 @@ def printable(text: str) -> str:
     ends and lone surrogates.
 
     Returns:
-        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text that contains only visible characters is returned unchanged.
+        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text of visible characters only is returned unchanged.
     """
     if text.isprintable():
         return text

@@ -1,8 +1,8 @@
 """The sandbox for processes that run a stranger's code. It uses bubblewrap, like Flatpak.
 
 It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; a
-network with only its own loopback; and processes that are all killed when the first one ends. It needs Linux, the program
-``bwrap``, the library libseccomp, and a system that lets ordinary users create namespaces.
+network with only its own loopback; and processes that are all killed when the first one ends. It needs Linux, the
+program ``bwrap``, the library libseccomp, and a system that lets ordinary users create namespaces.
 """
 
 import ctypes
