@@ -87,25 +87,10 @@ class OneByOne(HeldJoint):
         self.joint.effort += 50 * ((self.q_ref - self.now) - (self.q_prev - self.before)) / self.time_step
 
 
-class AddsTwice(HeldJoint):
-    def aim(self, stick):
-        q_ref, q, self.q_ref, self.q_prev = self.q_ref, self.q_prev, self.q_ref + 0.002 * stick, self.joint.position
-        self.q_ref = min(max(self.q_ref, self.joint.range[0]), self.joint.range[1])
-        self.joint.effort += 50 * ((self.q_ref - q_ref) - (self.q_prev - q)) / self.time_step
-        self.joint.effort += 200 * (self.q_ref - self.q_prev)
-
-
-class UpOrDown(HeldJoint):
-    def aim(self, stick):
-        super().aim(1.0 if stick > 0 else -1.0 if stick < 0 else 0.0)
-
-
 WRONG = [
     (SetsPosition, "set the result as joint.position"),
     (TypedRange, "fixed ends of the range"),
     (PerMillisecond, "a fixed time step"),
     (ByTheClock, "the computer's clock"),
     (OneByOne, "add the torque to the last one with +="),
-    (AddsTwice, "add the torque to the last one with +="),
-    (UpOrDown, "only the sign of the stick"),
 ]

@@ -63,5 +63,4 @@ WRONG = [
     (looks_up_all, "expect every joint in every message"),
     (filters_first, ["before zip", "only for NaN"]),
     (in_whole_thousandths, ["convert or round", "only for NaN"]),
-    (partial(usable, lambda q: q == q), "only for NaN"),
 ]

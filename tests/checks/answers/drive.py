@@ -8,7 +8,6 @@ from sensor_msgs.msg import JointState, Joy
 
 from tutorial.checks.bound import four_axes
 from tutorial.checks.drive import GentleTank
-from tutorial.controllers.tank_controller import TankController
 from tutorial.handoff import Latest
 
 
@@ -102,13 +101,6 @@ def set_tracks(self, x, y):
     self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
 
 
-class OfTankController(TankController):
-    def control(self):
-        super().control()
-        x, y = dead(four_axes(self.joy.get()))
-        self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
-
-
 METHODS = [
     ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "set the tracks in the callback"),
     ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "in several parts"),
@@ -117,11 +109,9 @@ METHODS = [
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smooth the speeds"),
     ({"on_joy": throttle}, "skip messages by time"),
     ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["rest, so the tank drives on"]),
-    ({"control": lambda self: setattr(self, "track_l", 1.0)}, "set self.track_l.ctrl, not self.track_l"),
     ({"configure": subscribes_first}, "create the subscription before what its callback uses"),
     ({"configure": other_type}, ["another topic or type", "read it before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
     ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure destroy only the subscription"),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]
-WRONG += [(OfTankController, "the turret or the barrel, too")]

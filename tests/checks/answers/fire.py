@@ -36,13 +36,6 @@ def debounce(self, message):
         self.fire.put(bool(message.buttons) and message.buttons[0] == 1)
 
 
-def wait_for_two(self, message):
-    pressed, before = bool(message.buttons) and message.buttons[0] == 1, getattr(self, "before", None)
-    self.before = pressed
-    if pressed == before:
-        self.fire.put(pressed)
-
-
 METHODS = [
     ({"on_joy": lambda self, message: self.fire.put(sum(message.buttons[:1]))}, []),
     ({"on_joy": lambda self, message: self.fire.put(np.bool_(1 in np.array(message.buttons)[:1]))}, []),
@@ -53,7 +46,6 @@ METHODS = [
     ({"on_joy": lambda self, message: self.fire.put(message.buttons and message.buttons[0])}, ["bool(...)"]),
     ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure"]),
     ({"on_joy": debounce}, ["computer's clock, probably to ignore messages"]),
-    ({"on_joy": wait_for_two}, ["wait for a second message"]),
 ]
 MADE = [(type("Answer", (FireButton,), methods), causes) for methods, causes in METHODS]
 RIGHT = [answer for answer, causes in MADE if not causes]

@@ -62,14 +62,6 @@ def kept_newest(messages):
     return [("gap", *earlier, *stamps[:1])] if earlier else find_gaps(messages)
 
 
-def once(messages):
-    found = []
-    for each in find_gaps(messages):
-        if each not in found:
-            found.append(each)
-    return found
-
-
 LAST = "you compare each stamp with the one before it"
 EMPTY = "You probably expect at least one message"
 
@@ -77,6 +69,5 @@ EMPTY = "You probably expect at least one message"
 WRONG = [
     (neighbours_of_some, [LAST, EMPTY]),
     (own_words, ['The only words are "gap" and "restart".']),
-    (once, ["you leave out what equals an earlier gap or restart"]),
     (kept_newest, ["You keep newest_of_all from call to call"]),
 ]

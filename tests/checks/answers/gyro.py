@@ -81,19 +81,7 @@ class AnotherFrame(GyroPublisher):
         self.io.body.name = name
 
 
-class AddsUpForever(GyroPublisher):
-    def initialize(self, io):
-        super().initialize(io)
-        self.samples, self.total, self.count = None, np.zeros(3), 0
-
-    def control(self):
-        self.total, self.count = self.total + self.sensor.value, self.count + 1
-        if self.io.step % self.steps_per_message == 0:
-            self.publisher.publish(AtATime.filled(self, [self.total / self.count]))
-
-
 WRONG = [
-    (AddsUpForever, "set sum and count to 0"),
     (OnItsOwnThread, "publish from a timer or a thread"),
     (AnotherFrame, "leave out the name of the body or the sensor"),
 ]

@@ -59,23 +59,7 @@ class DestroysInStop(SlowPublisher):
     stop = SlowPublisher.unconfigure
 
 
-class OnlyNews(SlowPublisher):
-    """Publishes only what differs from the message before, but for the stamp."""
-
-    def configure(self, config):
-        super().configure(config)
-        self.last, self.publish = None, self.publisher.publish
-        self.publisher.publish = self.publish_news
-
-    def publish_news(self, message):
-        fields = message.name, message.position, message.velocity, message.effort
-        if fields != self.last:
-            self.publish(message)
-        self.last = fields
-
-
 WRONG = [
-    (OnlyNews, "you publish nothing while the robot rests"),
     (type("A", (SlowPublisher,), {"unconfigure": lambda a: a.node.destroy_subscription(a.publisher)}), "destroy_publ"),
     (WithASlash, "without a slash in front"),
     (MakesTwo, "You probably make one at every start"),

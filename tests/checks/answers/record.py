@@ -102,15 +102,6 @@ class GoesOn(MyRecorder):
                 self.bag.write(self.connection, *entry)
 
 
-class ChangedOnly(MyRecorder):
-    def write(self):
-        last = None
-        while entry := self.received.get():
-            if entry != last:
-                self.bag.write(self.connection, *entry)
-            last = entry
-
-
 class NeverEnds(MyRecorder):
     def unconfigure(self):
         self.node.destroy_subscription(self.subscription)
@@ -124,7 +115,6 @@ WRONG = [
     (CountsTooLate, "super().configure(config) starts the thread"),
     (CallsNoSuper, "Call it: it makes the queue"),
     (GoesOn, "You probably go on after None"),
-    (ChangedOnly, "you leave out a message that says the same"),
     (NeverEnds, "You probably put None after join"),
     (Exchanged, ["self.bag.write(self.connection, time_ns, payload)"]),
     (Hurries, ["you close the bag"]),

@@ -46,7 +46,4 @@ class KeepsTheJoint(ThriftyPublisher):
         super().control()
 
 
-WRONG = [
-    (BySpeed, "how fast a joint moves"),
-    (KeepsTheJoint, "compare a position with itself"),
-]
+WRONG = [(BySpeed, "how fast a joint moves"), (KeepsTheJoint, "compare a position with itself")]

@@ -45,13 +45,6 @@ class SaysTheAge(CommandTimeout):
         return seconds - self.since
 
 
-class CountsSteps(CommandTimeout):
-    def fresh(self, message, seconds):
-        self.calls = 1 if message is not self.message else self.calls + 1
-        self.message = message
-        return self.calls <= 501
-
-
 class KeepsACopy(CommandTimeout):
     def fresh(self, message, seconds):
         fresh = super().fresh(message, seconds)
@@ -59,18 +52,5 @@ class KeepsACopy(CommandTimeout):
         return fresh
 
 
-class SinceTheLastCall(CommandTimeout):
-    def fresh(self, message, seconds):
-        fresh = super().fresh(message, seconds)
-        self.since = seconds
-        return fresh
-
-
 RIGHT = [Deadline, Identity]
-WRONG = [
-    (Shared, ["in __init__"]),
-    (SaysTheAge, ["Return True or False"]),
-    (CountsSteps, ["you count calls"]),
-    (KeepsACopy, ["keep no copy"]),
-    (SinceTheLastCall, ["measure the time since the last call"]),
-]
+WRONG = [(Shared, ["in __init__"]), (SaysTheAge, ["Return True or False"]), (KeepsACopy, ["keep no copy"])]

@@ -2,11 +2,9 @@
 
 from collections import namedtuple
 from functools import reduce
-from math import acos, cos, sin
 
 import mujoco
 import numpy as np
-from geometry_msgs.msg import Quaternion
 
 from tutorial.checks.where import turned, where_is
 
@@ -68,33 +66,13 @@ def wrong_matrix(transforms, point):
     return point
 
 
-def by_the_sine(transforms, point):
-    for stamped in reversed(transforms):
-        q = stamped.transform.rotation
-        half = acos(q.w)
-        axis = [each / sin(half) for each in (q.x, q.y, q.z)]
-        x, y, z = (each * sin(half) for each in axis)
-        t = stamped.transform.translation
-        point = turned(Quaternion(x=x, y=y, z=z, w=cos(half)), point) + np.array([t.x, t.y, t.z])
-    return point
-
-
-def rounded_at_each_step(transforms, point):
-    for stamped in reversed(transforms):
-        point = np.round(to_parent(stamped, point), 3)
-    return point
-
-
 WRONG = [
     (lambda transforms, point: to_parent(*transforms, point), "You probably expect a certain number of transforms"),
     (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take a first transform for granted"),
-    (lambda all_, point: where_is(all_, point) if all_ else None, "you return nothing if the list is empty"),
     (lambda transforms, point: where_is(transforms, point)[:2], "Return the three numbers x, y and z in a list"),
     (overwrites, "Copy it first"),
     (whole, "An array that is made of ints holds ints only"),
     (until_odom, "or a certain frame"),
     (wrong_matrix, "Turns about x, y and z come out right"),
-    (by_the_sine, "you divide by the length of the axis, or by a sine"),
-    (rounded_at_each_step, "you round the numbers"),
     (lambda transforms, point: to_parent(transforms[-1], point), ["you use only the last transform", ""]),
 ]
