@@ -61,25 +61,13 @@ MISTAKES = [
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
     Mistake("you move on from joint.position. The reference moves on from where it was itself: self.q_ref.",
             replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
-    Mistake("your reference goes back to joint.position while the "
-            "stick rests. Keep it: it only moves by 0.002 * stick.",
-            replace("self.q_ref + 0.002 * stick", "(self.q_ref + 0.002 * stick if stick else self.joint.position)")),
     Mistake("you convert between radians and degrees. 0.002 is in rad already, as angles and ranges are.",
             replace("0.002", "radians(0.002)", "degrees(0.002)")),
-    Mistake("your reference moves by another amount. In each call it is 0.002 rad at full stick.",
-            replace("0.002", "0.02", "0.0002")),
     Mistake("you multiply the move by time_step. The reference moves "
             "by 0.002 * stick rad in each call, however long a step is.",
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
     Mistake("you use only the sign of the stick. Half a stick moves the reference half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
-    Mistake("you round the stick to a whole number. Half a stick moves the reference half as far: 0.002 * stick.",
-            replace("0.002 * stick", "0.002 * round(stick)", "0.002 * int(stick)")),
-    Mistake("your answer ignores a stick near the middle. There is "
-            "no dead zone here: the reference moves by 0.002 * stick.",
-            replace("0.002 * stick", "0.002 * (stick if abs(stick) > 0.15 else 0.0)")),
-    Mistake("you move against the stick. A positive stick moves the reference up: + 0.002 * stick.",
-            replace("self.q_ref + 0.002 * stick", "self.q_ref - 0.002 * stick")),
     Mistake("you limit the stick to joint.range. Limit the reference, which is an angle.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
     Mistake("you take the stick for the angle. It moves the reference, by 0.002 * stick in each call.",
@@ -87,8 +75,6 @@ MISTAKES = [
     Mistake("you don't limit the reference at both ends. It stays between joint.range[0] and joint.range[1].",
             replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
                     "= -self.joint.range[1], self.joint.range[1]")),
-    Mistake("you take 0 for the lower end of the range. It is joint.range[0], which may be negative.",
-            replace("= self.joint.range", "= 0.0, self.joint.range[1]")),
     Mistake("you use the limited reference but don't keep it, so the "
             "stick has to bring it back first. Store the limited one.",
             both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
@@ -96,19 +82,9 @@ MISTAKES = [
                  replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
     Mistake("you exchange the two gains. 200 is for the angle, 50 for the speed.",
             replace("200 * (q_ref - q) + 50 *", "50 * (q_ref - q) + 200 *")),
-    Mistake("you use one gain for both. 200 is for the angle, 50 for the speed.",
-            replace("200 * (q_ref - q) + 50 *", "200 * (q_ref - q) + 200 *", "50 * (q_ref - q) + 50 *")),
     Mistake("you compute dq_ref from the stick. It is what the limited "
             "reference has moved: (q_ref - self.q_ref) / self.time_step.",
             replace("(q_ref - self.q_ref) /", "0.002 * stick /")),
-    Mistake("you compute dq_ref from joint.position. It is what the "
-            "reference has moved: (q_ref - self.q_ref) / self.time_step.",
-            replace("(q_ref - self.q_ref) /", "(q_ref - self.joint.position) /")),
-    Mistake("your dq_ref is missing or 0. Compute (q_ref - self.q_ref) "
-            "/ self.time_step before you store the new q_ref.",
-            replace("(dq_ref - dq)", "(0.0 - dq)")),
-    Mistake("your dq is missing or 0. Compute (q - self.q_prev) / self.time_step before you store the new q.",
-            replace("(dq_ref - dq)", "(dq_ref - 0.0)")),
     Mistake("you don't divide the speeds by time_step. A speed is a change divided by the time that it took.",
             replace("/ self.time_step", "/ 1.0")),
     Mistake("you multiply the speeds by time_step. A speed is a change divided by the time that it took.",
@@ -119,12 +95,6 @@ MISTAKES = [
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
     Mistake("you set self.q_prev to the reference. Store q there, the joint's angle.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
-    Mistake("both your speeds are missing or 0. Compute them while "
-            "self.q_ref and self.q_prev still hold the old values.",
-            replace("(dq_ref - dq)", "0.0 * (dq_ref - dq)")),
-    Mistake("you limit the joint's angle. Limit the reference, after it has moved.",
-            both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "self.q_ref + 0.002 * stick"),
-                 replace("q = self.joint.position", "q = min(max(self.joint.position, lower), upper)"))),
     Mistake("you compute the torque with the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),
     Mistake("you add the torque to the last one with +=. Set it with "

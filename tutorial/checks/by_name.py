@@ -53,56 +53,10 @@ MISTAKES = [
             replace("message.name, message.position", "[n for n in message.name if n in joint_names], message.position",
                     "message.name, [*filter(isfinite, message.position)]",
                     "message.name, [q for q in message.position if q == q]")),
-    Mistake("you swap names and positions: in {name: position} the name comes first.",
-            replace("name: position", "position: name")),
-    Mistake("you return inside the loop, after the first pair. Return after the loop.",
-            replace("zip(message.name, message.position)", "[*zip(message.name, message.position)][:1]",
-                    "[each for each in zip(message.name, message.position) "
-                    "if each[0] in joint_names and isfinite(each[1])][:1]")),
     Mistake("you convert the positions. Pass them on unchanged: they are in rad or m on both sides.",
             replace("name: position", "name: degrees(position)", "name: radians(position)")),
-    Mistake("you give the i-th position to the i-th joint of the body. It belongs to the i-th name of the message.",
-            replace("zip(message.name, message.position)", "zip(joint_names, message.position)")),
-    Mistake("you use a position only if its name is in the same place "
-            "in the message and in joint_names. The order may differ.",
-            replace("zip(message.name, message.position)",
-                    "[(n, q) for n, m, q in zip(message.name, joint_names, message.position) if n == m]")),
-    Mistake("you give every joint a value, also one that the message does not name. Leave that joint out.",
-            replace("return {", "return dict.fromkeys(joint_names) | {", "return dict.fromkeys(joint_names, 0.0) | {",
-                    "return dict.fromkeys(joint_names, nan) | {")),
-    Mistake("you stop at the first pair that doesn't count. Skip only that pair, and go on with the next one.",
-            replace("zip(message.name, message.position)",
-                    "takewhile(lambda each: each[0] in joint_names and "
-                    "isfinite(each[1]), zip(message.name, message.position))",
-                    "takewhile(lambda each: each[0] in joint_names, zip(message.name, message.position))",
-                    "takewhile(lambda each: isfinite(each[1]), zip(message.name, message.position))")),
-    Mistake("you give names without a position the value 0. Leave them out.",
-            replace("zip(message.name, message.position)",
-                    "zip_longest(message.name, message.position, fillvalue=0.0)")),
-    Mistake("you drop the whole message if names and positions differ in number. Use the names that have a position.",
-            replace("return {", "if len(message.name) != len(message.position): return dict()\nreturn {",
-                    "if len(message.name) > len(message.position): return dict()\nreturn {")),
-    Mistake("you drop the whole message for one position that isn't "
-            "finite, or one unknown name. Leave out only that pair.",
-            replace("return {", "if not all(map(isfinite, message.position)): return dict()\nreturn {",
-                    "if any(n not in joint_names for n in message.name): return dict()\nreturn {")),
-    Mistake("you keep the first position of a name that comes twice. The last finite one counts.",
-            replace("zip(message.name, message.position)", "[*zip(message.name, message.position)][::-1]")),
-    Mistake("you first take the last position of each name and then test "
-            "it, so NaN replaces a good number. Test each pair first.",
-            replace("zip(message.name, message.position)", "dict(zip(message.name, message.position)).items()")),
-    Mistake("you leave out a position of 0, as `if position` does. 0 is a position like any other.",
-            replace("isfinite(position)", "position and isfinite(position)")),
-    Mistake("you sort the pairs, so another position of a name comes last. Keep the message's order.",
-            replace("zip(message.name, message.position)", "sorted(zip(message.name, message.position))")),
-    Mistake("you leave out a name that comes twice. Its last finite position counts.",
-            replace("name in joint_names and", "name in joint_names and message.name.count(name) == 1 and")),
     Mistake("you test only for NaN. An infinity isn't finite either: use math.isfinite.",
             replace("isfinite(position)", "position == position")),
-    Mistake("you don't test the positions. Leave out NaN and infinities: math.isfinite returns False for them.",
-            replace("isfinite(position)", "True")),
-    Mistake("you keep names that the body does not have. Leave out a pair if its name is not in joint_names.",
-            replace("name in joint_names", "True")),
 ]  # fmt: skip
 MEANING = "You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite."
 A_DICT = "Return a dict from names to positions; if nothing counts, an empty one. dict(pairs) makes a dict from pairs."
@@ -194,8 +148,5 @@ CASES = [
 ]  # fmt: skip
 
 by_name = Exercise(
-    "by_name",
-    __doc__,
-    Cases(match_by_name, CASES, MISTAKES, MEANING),
-    imports=("from math import isfinite",),
+    "by_name", __doc__, Cases(match_by_name, CASES, MISTAKES, MEANING), imports=("from math import isfinite",)
 )

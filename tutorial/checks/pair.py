@@ -69,36 +69,9 @@ MISTAKES = [
             replace("while stamp in self.waiting:", "self.waiting.clear()\nwhile False:")),
     Mistake("you keep what came before a pair. It is past: drop it, even if its partner still comes.",
             replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
-    Mistake("you drop what came before a pair from one topic only: drop it from both.",
-            replace("while stamp in self.waiting:",
-                    "self.waiting = dropped_by_half(self.waiting, stamp, stream)\nwhile False:")),
-    Mistake("you keep only the newest message of each topic. One topic may be ahead of the other: keep up to 50.",
-            replace("together =",
-                    "self.waiting = {key: it for key, it in self.waiting.items() if {*it} != {stream}}\ntogether =")),
-    Mistake("you ask which stamp is larger to know what is past. After "
-            "a restart stamps begin at 0: go by the order of arrival.",
-            replace("while stamp in self.waiting:",
-                    "self.waiting = dict(sorted(self.waiting.items()))\nwhile stamp in self.waiting:")),
-    Mistake("you refuse stamps that are smaller than an earlier one. "
-            "After a restart they begin at 0: go by the order of arrival.",
-            both(replace("while stamp in self.waiting:", "self.last = stamp\nwhile stamp in self.waiting:"),
-                 replace("together =", 'if stamp < vars(self).setdefault("last", (0, 0)): return None\ntogether ='))),
     Mistake("you take two messages of one topic for a pair: a pair has one of each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
-    Mistake("you return the two messages in the order of arrival: return joints, pose.",
-            replace('together["joints"], together["pose"]', "tuple(together.values())")),
-    Mistake("you don't limit the number of messages that wait: if "
-            "there are more than 50, drop the one that came first.",
-            replace("len(self.waiting) > 50", "False")),
-    Mistake("you drop a message too early, though 50 may wait: look for "
-            "the partner first, then drop one if there are more than 50.",
-            replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
-    Mistake("you drop the wrong one when more than 50 messages wait: drop the one that came first.",
-            replace("len(self.waiting) > 50:", "len(self.waiting) > 50 and not self.waiting.pop(stamp):",
-                    "len(self.waiting) > 50 and not self.waiting.pop(min(self.waiting)):")),
-    Mistake("you drop everything when more than 50 messages wait: drop only the one that came first.",
-            replace("len(self.waiting) > 50:", "len(self.waiting) > 50 and self.waiting.clear():")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: a message waits by its stamp until "
            "the other topic's message with the same stamp comes, whichever is "
@@ -169,13 +142,6 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
         return [add(trial, pairs, stream, message, known) for pairs, (message, (stream, _)) in zip(those, known)]
 
     return case
-
-
-def dropped_by_half(waiting: dict[Any, Any], stamp: Any, stream: str) -> dict[Any, Any]:
-    """Return what waits after a pair of this stamp, if what came before it is dropped only from the other stream."""
-    order = [*waiting]
-    after = order[order.index(stamp) + 1 :]
-    return {key: it for key, it in waiting.items() if key in after or {*it} == {stream}}
 
 
 STILL_WAITING = ("You probably keep only one message of a topic, or refuse "

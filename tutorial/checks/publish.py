@@ -36,9 +36,9 @@ import numpy as np
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Case, Mistake, both, replace
+from tutorial.checks.engine.cases import Case, Mistake, replace
 from tutorial.checks.engine.observe import same
-from tutorial.checks.engine.publishing import Publishing
+from tutorial.checks.engine.publishing import ALL_JOINTS, Publishing
 from tutorial.checks.engine.rig import Rig, Sent
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
@@ -76,52 +76,12 @@ class SlowPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints.",
-            replace("io.body.joints", '[io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")]',
-                    "io.body.joints[:2]")),
+    Mistake(ALL_JOINTS, replace("io.body.joints", '[io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")]',
+                                "io.body.joints[:2]")),
     Mistake("you change the order of the joints. Keep that of io.body.joints.",
             replace("io.body.joints", "sorted(io.body.joints, key=lambda joint: joint.name)", "io.body.joints[::-1]")),
-    Mistake("you read the joints only once, and send the same message again and again. Fill it in control, every time.",
-            both(replace("self.io = io", "self.io, self.began_ns = io, io.time_ns"),
-                 replace("self.io.time_ns", "self.began_ns"),
-                 replace("io.body.joints",
-                         '[type("", (), {f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]'))),
-    Mistake("you append to the lists of an old message, so they grow. Create a new JointState() for each message.",
-            both(replace("message = JointState()",
-                         'self.message = message = getattr(self, "message", None) or JointState()'),
-                 replace("message.name = [", "message.name.extend("),
-                 replace("message.position = [", "message.position.extend("),
-                 replace("message.velocity = [", "message.velocity.extend("),
-                 replace("message.effort = [", "message.effort.extend("),
-                 replace("in self.joints]", "in self.joints)"))),
-    Mistake("you publish nothing while the robot rests. Publish every "
-            "message: receivers can't tell rest from a lost connection.",
-            both(replace("self.publisher.publish(message)",
-                         "self.last = [*message.position]\nself.publisher.publish(message)"),
-                 replace("message = JointState()",
-                         'if getattr(self, "last", 0) == [j.position for j '
-                         "in (*self.joints,)]: return\nmessage = JointState()",
-                         "if not any(joint.velocity for joint in self.joints): return\nmessage = JointState()"))),
-    Mistake("you exchange velocity and effort. They are joint.velocity and joint.effort.",
-            both(replace("joint.velocity for", "joint.effort_ for"), replace("joint.effort for", "joint.velocity for"),
-                 replace("joint.effort_ for", "joint.effort for"))),
-    Mistake("you convert position to degrees. It is in rad, as joint.position is.",
-            replace("joint.position for", "degrees(joint.position) for")),
-    Mistake("you compute velocity from two positions, an average "
-            "over 1/25 s. joint.velocity is the speed of this moment.",
-            both(replace("self.io = io", "self.io, self.before = io, [joint.position for joint in io.body.joints]"),
-                 replace("message.velocity = [joint.velocity for joint in self.joints]",
-                         "message.velocity = list((a - b) / 0.04 for a, b in zip(message.position, self.before))"),
-                 replace("self.publisher.publish(message)",
-                         "self.before = message.position\nself.publisher.publish(message)"))),
-    Mistake("you put milliseconds or microseconds into nanosec. "
-            "Time(nanoseconds=self.io.time_ns).to_msg() computes both parts.",
-            both(replace("Time(nanoseconds=self.io.time_ns).to_msg()",
-                         "Time(nanoseconds=self.io.time_ns//10**9*10**9 + NANOSEC).to_msg()"),
-                 replace("NANOSEC", "self.io.time_ns%10**9//10**6", "self.io.time_ns%10**9//10**3",
-                         "self.io.time_ns//10**6"))),
 ]  # fmt: skip
-MEANING = f"Most likely {MISTAKES[0].cause}"
+MEANING = f"Most likely {ALL_JOINTS}"
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 

@@ -54,9 +54,6 @@ MISTAKES = [
     Mistake("you count calls. A step may take any time: subtract seconds, seconds - self.since.",
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
-    Mistake("you measure the time since the last call. Set self.since only in the call in which the message is new.",
-            replace("return seconds - self.since <= 0.5",
-                    "self.since, since = seconds, self.since\nreturn seconds - since <= 0.5")),
     Mistake("you subtract the message's stamp, which may be empty. "
             "Keep the seconds of the call in which the message is new.",
             replace("return seconds - self.since",
@@ -65,28 +62,15 @@ MISTAKES = [
             "equal messages: compare the objects, with `is not`.",
             replace("message is not self.message", "message != self.message",
                     'message.axes != getattr(self.message, "axes", None)')),
-    Mistake("you keep the message's id, and a later message may get the "
-            "same one. Keep the message itself, and compare with `is not`.",
-            both(replace("message is not self.message", "id(message) != self.message"),
-                 replace("self.message = message", "self.message = id(message)"))),
     Mistake("you keep the time of the first message only. Set self.since for every new message.",
             replace("if message is not self.message:", "if self.message is None:")),
     Mistake("once a message is too old, all later ones are, too. Each new message is fresh again.",
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
-    Mistake("you return True only in the call in which the message is new. It stays fresh for 0.5 s.",
-            replace("return seconds - self.since <= 0.5", "return seconds == self.since")),
-    Mistake("you exchange True and False. A fresh message gives True: seconds - self.since <= 0.5.",
-            replace("<= 0.5", "> 0.5")),
-    Mistake("your limit excludes 0.5 s. A message is fresh if it came at most 0.5 s ago: <= 0.5.",
-            replace("<= 0.5", "< 0.5")),
     Mistake("you compute the age with whole seconds. Don't round: seconds - self.since.",
             replace("return seconds - self.since", "return int(seconds - self.since)",
                     "return int(seconds) - int(self.since)")),
-    Mistake("your first message comes at 0 s, whenever it comes. Set self.since in the first call, too.",
-            both(replace("self.message: Joy | None = None", "self.message, self.since = None, 0.0"),
-                 replace("if message is not", "if self.message is None: self.message = message\nif message is not"))),
 ]  # fmt: skip
 MEANING = "You probably compute a wrong age. In every call it is seconds - self.since, not rounded, and at most 0.5."
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."

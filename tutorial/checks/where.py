@@ -50,23 +50,9 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
 
 
 MISTAKES = [
-    Mistake("you go through the list from the first transform to the "
-            "last: start with the last, which knows the point's frame.",
-            replace("reversed(", "list(")),
     Mistake("you use only the last transform or only the first, or you leave one of these out. Use each of them.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
-    Mistake("you turn the point only once, and add the other translations "
-            "without a turn. Every transform turns, and then adds.",
-            replace("stamped.transform.rotation",
-                    "(stamped.transform.rotation if stamped is transforms[-1] else Quaternion(w=1.0))",
-                    "(stamped.transform.rotation if stamped is transforms[0] else Quaternion(w=1.0))")),
-    Mistake("you add the translations without a turn. Each one is measured in its own parent "
-            "frame, so the transforms before it turn it, too: turn and add in one loop.",
-            both(replace("for stamped", "moved = np.zeros(3)\nfor stamped"),
-                 replace("point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])",
-                         "point = turned(stamped.transform.rotation, point)\nmoved = moved + [t.x, t.y, t.z]"),
-                 replace("return point", "return point + moved"))),
     Mistake("you multiply the rotations in the wrong order: the outer one stands on the left, outer * inner.",
             both(replace("reversed(transforms):", "transforms:"),
                  replace("for stamped", "place, rotations = np.zeros(3), []\nfor stamped"),
@@ -78,23 +64,10 @@ MISTAKES = [
             both(replace("turned(stamped.transform.rotation, point) + np.array(",
                          "turned(stamped.transform.rotation, np.array(point) -"),
                  replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
-    Mistake("you turn the wrong way round: keep the signs of the "
-            "quaternion's x, y and z; with a matrix, don't transpose it.",
-            replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]")),
-    Mistake("you turn about z only. A frame may be tilted, too: use the whole quaternion.",
-            replace("axis, point =", "q = Quaternion(z=q.z, w=q.w)\naxis, point =",
-                    "q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2))\naxis, point =")),
-    Mistake("you take the quaternion's four numbers in the wrong order. "
-            "ROS has x, y, z, w, with w last; MuJoCo has w first.",
-            replace("axis, point =", "q = Quaternion(w=q.x, x=q.y, y=q.z, z=q.w)\naxis, point =",
-                    "q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z)\naxis, point =")),
     Mistake("you divide by the length of the axis, or by a sine. Both "
             "are 0 where nothing is turned: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
-    Mistake("you add the translation before the turn, so it is turned, too: turn first, then add.",
-            replace("turned(stamped.transform.rotation, point) + np.array(",
-                    "turned(stamped.transform.rotation, np.array(point) +")),
     Mistake("you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
                     "[t.x, t.y, t.z])\npoint = np.round(point, 2)")

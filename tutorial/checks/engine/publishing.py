@@ -17,6 +17,7 @@ from tutorial.checks.engine.trial import Trial
 NOTHING = "no message"
 IN_CONFIGURE = "You probably create it in initialize, which runs at every start. Create it once, in configure."
 TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
+ALL_JOINTS = "you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints."
 SHARED_BY_ROBOTS = "You probably keep something on the class, which all robots share. Set it on self, in initialize."
 RESTART = "You probably keep something of the run before, or count steps or times from 0. Time goes on after stop."
 
