@@ -1,6 +1,5 @@
 """The tables of the exercises: each known mistake can be made, is a mistake, and is told from all others."""
 
-from dataclasses import replace
 from importlib import import_module
 from itertools import permutations
 
@@ -9,7 +8,7 @@ import pytest
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.engine.instruments import Instruments
 from tutorial.checks.engine.observe import observe
-from tutorial.checks.engine.slips import another, missing
+from tutorial.checks.engine.slips import missing
 from tutorial.checks.engine.twins import Twins
 
 TABLES = {each: Twins(each.cases) for those in exercises().values() for each in those}
@@ -35,39 +34,12 @@ VIEWERS = {each: twins for each, twins in TABLES.items() if twins.cases.one_by_o
 def test_each_requirement_of_a_viewer_refuses_something(domain):
     refusing = set()
     for exercise, twins in VIEWERS.items():
-        made = [*twins.cases.faults, *twins.slips(missing)]
         wrong = [answer for answer, _ in import_module(f"answers.{exercise.name}").WRONG]
         with Instruments() as instruments:
-            for answer in [*filter(None, map(twins.make, made)), *wrong]:
+            for answer in [*map(twins.make, twins.slips(missing)), *wrong]:
                 seen = observe(twins.cases, answer, instruments.begin, twins.expected)
                 refusing |= {each.case.label for each in seen.odd}
     assert {case.label for twins in VIEWERS.values() for case in twins.cases.cases} == refusing
-
-
-SLIPS = {
-    "`self.samples.clear()` is missing, or not reached.": "gyro",
-    "`dq` is missing, or always 0. It is `dq_ref - dq`.": "aim",
-    "a sign is wrong. It is `q_ref - q`.": "aim",
-    "you use another comparison. It is `stamp - newest > 100000000`.": "gaps",
-    "you don't test `name in joint_names`. It is `name in joint_names and isfinite(position)`.": "by_name",
-    "you don't test `news`.": "thrift",
-}
-
-
-def told(name, cases, answer, monkeypatch):
-    exercise = next(each for each in TABLES if each.name == name)
-    monkeypatch.setattr(exercise, "cases", cases)
-    monkeypatch.setattr(exercise, "_seen", {})
-    return exercise.judge(answer).causes
-
-
-@pytest.mark.parametrize(("cause", "name"), SLIPS.items(), ids=SLIPS.values())
-def test_what_is_missing_or_another_is_told_without_a_row(cause, name, monkeypatch):
-    twins = BY_NAME[name]
-    plain = [replace(case, meaning="", mistakes=()) for case in twins.cases.cases]
-    slip = next(each for kind in (missing, another) for each in twins.slips(kind) if each.cause == cause)
-    without = replace(twins.cases, cases=plain, mistakes=[], meaning="Something else.")
-    assert told(name, without, twins.make(slip), monkeypatch) == (f"Most likely {cause}",)
 
 
 def test_what_is_missing_is_told_beside_a_known_mistake():

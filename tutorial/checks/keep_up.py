@@ -25,12 +25,12 @@ from itertools import count
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Case, Mistake, both, replace
+from tutorial.checks.engine.cases import Case
 from tutorial.checks.engine.interleave import interleave
 from tutorial.checks.engine.viewer import Viewer
-from tutorial.checks.engine.viewing import NOT_POSTED, Step, steps, viewing
+from tutorial.checks.engine.viewing import Step, steps, viewing
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import LAST, SWAPPED, first_cases, joint_state
+from tutorial.checks.show import ARRIVALS, FIRST, LAST, SWAPPED, joint_state
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -125,49 +125,13 @@ def in_any_order(viewer: Viewer) -> str:
 OWN = [
     Case("50 messages while the main thread is busy", steps(burst(0, waiting), burst(500, waiting)),
          "You probably post a call for each message with call_later, or under different keys. Post "
-         "with call_latest and one key, such as the body's name: a new call replaces a waiting one.", mistakes=[
-        Mistake("you post with call_later, which keeps every call. Post "
-                "with call_latest, which replaces a call that still waits.",
-                replace("self.call_latest = config.call_latest",
-                        "self.call_latest = lambda _, *call: config.call_later(*call)")),
-        Mistake("you post each message under a key of its own, so no call "
-                "replaces another. Use one key, such as the body's name.",
-                replace(POST, "self.call_latest(id(message), self.update, message)"))]),
+         "with call_latest and one key, such as the body's name: a new call replaces a waiting one."),
     Case("then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
-         "You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest.",
-         mistakes=[
-             Mistake("you keep the first of the messages that wait, and drop "
-                     "the newer ones. Keep the newest, as call_latest does.",
-                     both(replace("self.node = config.node", "self.node, self.busy = config.node, False"),
-                          replace(POST, f"if self.busy: return\nself.busy = True\n{POST}"),
-                          replace("self.body.calc_f", "self.busy = False\nself.body.calc_f"))),
-             Mistake("you draw the oldest message of a queue. Draw the newest one, and drop the others.",
-                     both(replace("self.node = config.node", "self.node, self.queue = config.node, []"),
-                          replace(POST, f"self.queue.append(message)\n{POST}"),
-                          replace("positions, report =", "message = self.queue.pop(0)\npositions, report ="))),
-             Mistake("you draw every message of a queue. Draw only the newest one, and drop the others.",
-                     both(replace("self.node = config.node", "self.node, self.queue = config.node, []"),
-                          replace("self.update, message)",
-                                  "lambda: [self.update(self.queue.pop(0)) for _ in self.queue[:]])"),
-                          replace("self.call_latest(", "self.queue.append(message)\nself.call_latest(")))]),
+         "You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest."),
     Case("a message that comes while another is drawn", steps(in_any_order),
          "You probably clear the flag of a waiting call too late, or keep a message in several "
-         "parts. Pass the whole message with the call, and leave the rest to call_latest.", mistakes=[
-        Mistake("you don't set the positions: self.body.set_joint_positions(positions).",
-                replace("self.body.set_joint_positions(positions)", "pass")),
-        Mistake("you convert the positions. Pass them on unchanged: they are in rad on both sides.",
-                replace("positions(positions)",
-                        "positions({name: degrees(position) for name, position in positions.items()})")),
-        Mistake("you clear the flag of a waiting call after you take the message, "
-                "so one that comes in between gets no call. Clear it first.",
-                both(replace("self.node = config.node", "self.node, self.busy = config.node, False"),
-                     replace("self.update, message)",
-                             'lambda: [self.update(self.message), setattr(self, "busy", False)])'),
-                     replace("self.call_latest(",
-                             "self.message = message\nif self.busy: return\nself.busy = True\nself.call_latest(")))]),
+         "parts. Pass the whole message with the call, and leave the rest to call_latest."),
 ]  # fmt: skip
 
-CASES = [*first_cases(POST), *OWN, *LAST]
-keep_up = Exercise(
-    "keep_up", __doc__, viewing(CalmViewer, "joint_state", SWAPPED, CASES, clock=NOT_POSTED.format(POST))
-)
+CASES = [*FIRST, *OWN, *LAST]
+keep_up = Exercise("keep_up", __doc__, viewing(CalmViewer, "joint_state", SWAPPED, ARRIVALS, CASES, POST))

@@ -30,21 +30,9 @@ from math import nan
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Case, Mistake, both, replace
+from tutorial.checks.engine.cases import Case
 from tutorial.checks.engine.viewer import Viewer
-from tutorial.checks.engine.viewing import (
-    MISSING_CALLS,
-    MOVES,
-    NOT_POSTED,
-    POST,
-    Step,
-    hands_over,
-    heard,
-    past_the_queue,
-    side_by_side,
-    steps,
-    viewing,
-)
+from tutorial.checks.engine.viewing import MOVES, PAST_THE_QUEUE, Step, hands_over, heard, side_by_side, steps, viewing
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
@@ -132,98 +120,50 @@ STAMPS = (100_020, 100_000, 100_040, 5, 5)  # [ms]
 LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in enumerate(STAMPS)]
 
 
-def first_cases(post: str) -> list[Case]:
-    """Make the cases that every viewer of joint states is tried in first.
-
-    Args:
-        post: the solution's statement that posts.
-    """
-    return [
-        Case("messages come", steps(hands_over(*MESSAGES)), NOT_POSTED.format(post), mistakes=[
-            Mistake("you skip a message that repeats the one before. Post a "
-                    "call for each one: a robot at rest sends equal messages.",
-                    replace(post,
-                            'if message.position == getattr(self, "before", None): '
-                            f"return\nself.before = message.position\n{post}"))]),
-        Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-             "You probably don't set the positions, or change them on "
-             "the way: self.body.set_joint_positions(positions), in rad.", mistakes=[
-            Mistake("you don't set the positions: self.body.set_joint_positions(positions).",
-                    replace("self.body.set_joint_positions(positions)", "pass")),
-            Mistake("you convert the positions. Pass them on unchanged: they are in rad on both sides.",
-                    replace("positions(positions)",
-                            "positions({name: degrees(position) for name, position in positions.items()})"))]),
-        Case("its joints in another order", steps(states(("P Y", (0.2, 0.1))), Viewer.where), mistakes=[
-            Mistake("you match positions by their place in the message. Match "
-                    "them by name, wherever it is, as match_joints does.",
-                    replace("positions(positions)", "positions(dict(zip(self.body.joint_names, message.position)))",
-                            "positions({n: q for n, m, q in zip(message.name, "
-                            "self.body.joint_names, message.position) if n == m})"))]),
-        Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES, mistakes=MISSING_CALLS),
-        Case("only TURRET_P, then TURRET_Y",
-             steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
-             "You probably expect every joint in every message, or leave out positions of 0 or "
-             "below. Set the joints that the message names, and leave the others where they are.", crashes=True,
-             mistakes=[
-                 Mistake("you set a joint to 0 if the message does not name it. Leave that joint where it is.",
-                         replace("positions(positions)",
-                                 "positions({name: positions.get(name, 0.0) for name in self.body.joint_names})")),
-                 Mistake("you leave out a position of 0, as `if position` does. 0 is a position like any other.",
-                         replace("positions(positions)",
-                                 "positions({name: position for name, position in positions.items() if position})"))]),
-        Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
-             mistakes=[
-                 Mistake("you use a name that the body does not have. Leave it "
-                         "out, and show the other joints, as match_joints does.",
-                         replace("positions(positions)", "positions(dict(zip(message.name, message.position)))"))]),
-        Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where), mistakes=[
-            Mistake("you set NaN as a position. Leave that joint where it is, as match_joints does.",
-                    replace("positions(positions)",
-                            'positions({n: q for n, q in zip(message.name, message.position) if n != "ANTENNA"})'))]),
-        Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where), mistakes=[
-            Mistake("you use an index beyond the end: there may be fewer "
-                    "positions than names. match_joints takes care of that.",
-                    replace("positions, report =",
-                            "_ = [message.position[i] for i in range(len(message.name))]\npositions, report ="))]),
-        Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where), mistakes=[
-            Mistake("you drop a message because of its stamp. After a restart of "
-                    "the publisher, stamps are smaller, and they may be equal.",
-                    replace("positions, report =", "if message.header.stamp.sec < 1: return\npositions, report ="))]),
-        Case("an equal message again", steps(repeated), mistakes=[
-            Mistake("you leave out a message that repeats the positions of "
-                    "the one before. Show every message, and notify after it.",
-                    replace("self.body.notify",
-                            'self.old, old = positions, vars(self).get("old")\n'
-                            "if positions != old: self.body.notify"))]),
-        Case("a message that comes while the body is drawn",
-             steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
-             "You probably hold a lock while you draw, so the "
-             "callback waits. Hold it only while you take the message."),
-        Case("a call that waits when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
-             mistakes=[
-                 past_the_queue(post)]),
-    ]  # fmt: skip
-
-
+FIRST = [
+    Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
+         "You probably don't set the positions, or change them on "
+         "the way: self.body.set_joint_positions(positions), in rad."),
+    Case("its joints in another order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
+         "You probably match positions by their place in the message. "
+         "Match them by name, wherever it is, as match_joints does."),
+    Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
+    Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
+         "You probably expect every joint in every message, or leave out positions of 0 or "
+         "below. Set the joints that the message names, and leave the others where they are.", crashes=True),
+    Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
+         "You probably use a name that the body does not have. Leave it "
+         "out, and show the other joints, as match_joints does.", crashes=True),
+    Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where),
+         "You probably set NaN as a position. Leave that joint where it is, as match_joints does."),
+    Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where),
+         "You probably use an index beyond the end: there may be fewer "
+         "positions than names. match_joints takes care of that.", crashes=True),
+    Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
+         "You probably drop a message because of its stamp. After a restart of "
+         "the publisher, stamps are smaller, and they may be equal."),
+    Case("an equal message again", steps(repeated),
+         "You probably leave out a message that repeats the positions of "
+         "the one before. Show every message, and notify after it."),
+    Case("a message that comes while the body is drawn",
+         steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
+         "You probably hold a lock while you draw, so the "
+         "callback waits. Hold it only while you take the message."),
+    Case("a call that waits when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
+         PAST_THE_QUEUE),
+]  # fmt: skip
 LAST = [
     Case("two viewers at once, one of the crane", steps(side_by_side(its_own, Viewer.drain, Viewer.where)),
          "You probably hard-code the body's name or its joints. Take them from config.body.", crashes=True),
     Case("after unconfigure", steps(Viewer.leaves, Viewer.left)),
 ]  # fmt: skip
-
-
 SWAPPED = joint_state("P Y", (0.2, 0.1))
+ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
-    *first_cases(POST),
+    *FIRST,
     Case("five messages that wait together", steps(wait_together),
-         "You probably lose messages, or change their order. Post one call for each message, with call_later.",
-         mistakes=[
-             Mistake(f"you read the message from self, where the next one has replaced it. Pass it along: {POST}.",
-                     both(replace(POST, f"self.message = message\n{POST}"),
-                          replace("positions, report =", "message = self.message\npositions, report ="))),
-             Mistake("you post with call_latest, which replaces a call that "
-                     "still waits. Post with call_later, which keeps every call.",
-                     replace("config.call_later", 'lambda *call: config.call_latest("joints", *call)'))]),
+         "You probably lose messages, or change their order. Post one call "
+         "for each message, with call_later, and pass the message along."),
     *LAST,
 ]  # fmt: skip
-show = Exercise("show", __doc__, viewing(MyViewer, "joint_state", SWAPPED, CASES))
+show = Exercise("show", __doc__, viewing(MyViewer, "joint_state", SWAPPED, ARRIVALS, CASES))

@@ -7,7 +7,9 @@ import numpy as np
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Imu
 
-from tutorial.checks.hop import HopViewer
+from tutorial.checks.hop import HopViewer, hop
+
+from . import edited
 
 
 class Task(HopViewer):
@@ -101,4 +103,23 @@ WRONG = [
     (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "Fix this line first"),
     (changed(__setattr__=lambda self, *each: setattr(type(self), *each)), "is shared by all objects of the class"),
     (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "another thread than"),
+]
+
+POST, DESTROY = "self.call_later(self.update, message)", "self.node.destroy"
+SKIP_EQUAL = "if message == vars(self).get('last'): return\nself.last = message\n"
+PUT_BACK = f"self.timer.cancel()\nself.timer, self.body.position = None, self.place\n{DESTROY}"
+WRONG += [
+    (edited(hop, edit), cause)
+    for edit, cause in [
+        (("hypot(a.x, a.y)", "max(a.x, a.y)"), "You probably test another condition"),
+        (("self.move(self.place)", "self.move(self.body.position - (0, 0, 0.1))"), "compute or hard-code the place"),
+        (("> 20", "> 20 and not hasattr(self, 'place')"), "On landing set self.timer = None"),
+        ((POST, SKIP_EQUAL + POST), "equal to the one before"),
+        (("a = message.", "if self.timer: self.timer.cancel()\na = message."), "react to a harmless message"),
+        (("config.call_later", "lambda *call: config.call_latest('imu', *call)"), "You probably lose messages"),
+        ((DESTROY, PUT_BACK), "put the body back in unconfigure, but"),
+        ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it is down"),
+        ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it is down"),
+        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "post to the event loop yourself"),
+    ]
 ]

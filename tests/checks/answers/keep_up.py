@@ -2,7 +2,9 @@
 
 import threading
 
-from tutorial.checks.joint_state_subscriber import CalmViewer
+from tutorial.checks.joint_state_subscriber import CalmViewer, keep_up
+
+from . import edited
 
 
 class WithAnAttribute(CalmViewer):
@@ -39,35 +41,16 @@ class WithoutAKey(CalmViewer):
         self.call_latest(self.update, message)
 
 
-class TakesBeforeItLetsTheNextCome(CalmViewer):
-    waits = False
-
-    def on_joint_state(self, message):
-        self.message = message
-        if not self.waits:
-            self.waits = True
-            self.call_latest("joints", self.draw)
-
-    def draw(self):
-        self.update(self.message)
-        self.waits = False
-
-
-class TakesTheOldest(CalmViewer):
-    def configure(self, config):
-        self.queue = []
-        super().configure(config)
-
-    def on_joint_state(self, message):
-        self.queue.append(message)
-        self.call_latest("joints", self.draw)
-
-    def draw(self):
-        self.update(self.queue.pop(0))
-
-
+BUSY = "self.node = config.node", "self.node, self.busy = config.node, False"
+TAKE = 'lambda: [self.update(self.message), setattr(self, "busy", False)])'
+POST = "self.call_latest("
+ONCE = f"if self.busy: return\nself.busy = True\n{POST}"
 WRONG = [
     (WithoutAKey, "takes a key first"),
-    (TakesTheOldest, "you draw the oldest message of a queue"),
-    (TakesBeforeItLetsTheNextCome, "clear the flag of a waiting call after you take the message"),
+    (edited(keep_up, ("config.call_latest", "lambda _, *call: config.call_later(*call)")), "or under different keys"),
+    (edited(keep_up, BUSY, (POST, ONCE), ("self.body.calc", "self.busy = False\nself.body.calc")), "an older message"),
+    (
+        edited(keep_up, BUSY, ("self.update, message)", TAKE), (POST, f"self.message = message\n{ONCE}")),
+        "clear the flag of a waiting call too late",
+    ),
 ]

@@ -7,8 +7,10 @@ from functools import partial
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.joint_state_subscriber import MyViewer
+from tutorial.checks.joint_state_subscriber import MyViewer, show
 from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
+
+from . import edited
 
 
 class OnePerMessage(MyViewer):
@@ -75,14 +77,7 @@ def subscribes_first(self, config):
     self.body, self.node, self.call_later = config.body, config.node, config.call_later
 
 
-def skips_equal(self, message):
-    if message != self.__dict__.get("before"):
-        self.before = message
-        self.call_later(self.update, message)
-
-
 WRONG = [
-    (changed(on_joint_state=skips_equal), "you leave out a message that repeats"),
     (changed(configure=subscribes_first), "create the subscription before what its callback uses"),
     (changed(on_joint_state=lambda self, message: self.update(message)), "move the body in the callback"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "call it at once, with parentheses"),
@@ -91,4 +86,22 @@ WRONG = [
     (changed(lock=threading.Lock(), **LOCKING), "Don't sleep or wait"),
     (changed(configure=calls_the_callback, on_joint_state=print), "Pass it without parentheses"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
+]
+
+POSITIONS, MATCHES = "positions(positions)", "positions, report ="
+NO_ANTENNA = 'positions({n: q for n, q in zip(message.name, message.position) if n != "ANTENNA"})'
+IF_NEWS = 'self.old, old = positions, vars(self).get("old")\nif positions != old: self.body.notify'
+WRONG += [
+    (edited(show, *edits), cause)
+    for edits, cause in [
+        ([(POSITIONS, "positions(dict(zip(self.body.joint_names, message.position)))")], "by their place"),
+        ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "leave out positions of 0"),
+        ([(POSITIONS, "positions(dict(zip(message.name, message.position)))")], "a name that the body does not have"),
+        ([(POSITIONS, NO_ANTENNA)], "set NaN as a position"),
+        ([(MATCHES, f"[message.position[i] for i, _ in enumerate(message.name)]\n{MATCHES}")], "an index beyond"),
+        ([(MATCHES, f"if message.header.stamp.sec < 1: return\n{MATCHES}")], "because of its stamp"),
+        ([("self.body.notify", IF_NEWS)], "repeats the positions"),
+        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "post to the event loop yourself"),
+        ([("config.call_later", 'lambda *call: config.call_latest("joints", *call)')], "You probably lose messages"),
+    ]
 ]

@@ -17,7 +17,6 @@ DIAGNOSES = {
     "right": (lambda x: x + x + 1, {}),
     "a mistake": (lambda x: x + 3, {"three": "you add 2."}),
     "two mistakes": (lambda x: 3 * (x + 2), {"two": "you multiply.", "three": "you add 2."}),
-    "a case's own": (lambda x: 0 if x < 0 else 2 * x + 1, {"below 0": "0."}),
     "a slip": (lambda x: 2 * x, {"two": "`1` is missing, or always 0. It is `y + 1`."}),
     "a slip within": (lambda x: 20 * x + 1, {"two": "a number differs or is missing. It is `2 * x`."}),
     "a meaning": (lambda x: 2 * abs(x) + 1, {"below 0": "MEANING"}),

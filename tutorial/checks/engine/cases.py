@@ -76,12 +76,10 @@ class Fault:
     Attributes:
         cause: the cause that the learner reads, after "Most likely".
         edits: the changes of the solution's source, made one after the other.
-        case: the label of the case that it belongs to, if it belongs to one.
     """
 
     cause: str
     edits: tuple[Edit, ...]
-    case: str = ""
 
     def made_in(self, source: str) -> str | None:
         """Return the source with the mistake; None if an edit finds nothing to change."""
@@ -111,13 +109,9 @@ class Mistake:
         if not self.ways or not all(self.ways):
             raise ValueError(f"the mistake has no edit: {self.cause!r}. Give it one: replace(old, new).")
 
-    def faults(self, case: str = "") -> list[Fault]:
-        """Return the ways to make it, each by itself.
-
-        Args:
-            case: the label of the case that it belongs to, if it belongs to one.
-        """
-        return [Fault(self.cause, edits, case) for edits in self.ways]
+    def faults(self) -> list[Fault]:
+        """Return the ways to make it, each by itself."""
+        return [Fault(self.cause, edits) for edits in self.ways]
 
 
 @dataclass(frozen=True)
@@ -128,17 +122,15 @@ class Case:
         label: what is tried, as the learner reads it. No two cases have the same.
         run: tries the answer and returns what it observes. The solution's observation is the expected one.
         meaning: the most likely cause if the observation is wrong and no known mistake explains it, as a sentence;
-            by default that of the first of its mistakes, or else `Cases.meaning`.
+            by default `Cases.meaning`.
         crashes: whether `meaning` also explains an exception, because the case gives something that is missing or
             unusual.
-        mistakes: the known mistakes that fail this case.
     """
 
     label: str
     run: Run
     meaning: str = ""
     crashes: bool = False
-    mistakes: Sequence[Mistake] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,14 +142,13 @@ class Cases:
     Attributes:
         solution: the right answer. What is observed of it is what is expected.
         cases: what an answer is tried in, in this order.
-        mistakes: the known mistakes, the root causes first. Those of the cases come after them.
+        mistakes: the known mistakes, the root causes first.
         meaning: the most likely cause of a wrong observation whose case has no meaning of its own, as a sentence.
         say: puts an observation into words.
         beside: functions of the solution's module that a mistake may change, too.
         clock: the cause of a wrong observation if the answer asks the computer's clock; "" if it may ask it.
         on_ros: tries a right answer with rclpy's own node, and says what it observes.
-        one_by_one: whether the first wrong observation ends the check. Then the mistakes of a case explain this case
-            only.
+        one_by_one: whether the first wrong observation ends the check.
     """
 
     solution: Any
@@ -172,11 +163,9 @@ class Cases:
 
     def meaning_of(self, case: Case) -> str:
         """Return the most likely cause of a wrong observation in a case."""
-        causes = (f"Most likely {mistake.cause}" for mistake in case.mistakes)
-        return case.meaning or next(causes, self.meaning)
+        return case.meaning or self.meaning
 
     @property
     def faults(self) -> list[Fault]:
         """All known mistakes, each in each of its ways, the root causes first."""
-        own = [fault for case in self.cases for mistake in case.mistakes for fault in mistake.faults(case.label)]
-        return [fault for mistake in self.mistakes for fault in mistake.faults()] + own
+        return [fault for mistake in self.mistakes for fault in mistake.faults()]

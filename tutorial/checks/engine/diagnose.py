@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from itertools import chain, combinations
 
-from tutorial.checks.engine.cases import Case, Fault
+from tutorial.checks.engine.cases import Fault
 from tutorial.checks.engine.observe import Observation, Observations, same
 from tutorial.checks.engine.slips import another, missing
 from tutorial.checks.engine.twins import Twins
@@ -144,16 +144,10 @@ class _Search:
     def __init__(self, seen: Sequence[Observation], odd: Sequence[Observation], twins: Twins) -> None:
         self._seen, self._twins, self._last = seen, twins, odd[-1]
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
-        self._known = self._mistakes(self._last.case)
+        self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
         self._leading = [each for each in self._known if same(twins.alone(self._last.case, each), self._last.value)]
         # The quickest cases are tried first. What is odd is preferred: a mistake most likely does something else there.
         self._quickest = sorted(seen, key=lambda each: each.seconds * (1 if each.is_odd else 2))
-
-    def _mistakes(self, case: Case) -> list[Fault]:
-        """Return the known mistakes that may explain a case, and the statements that may be missing."""
-        cases = self._twins.cases
-        known = [each for each in cases.faults if not cases.one_by_one or each.case in ("", case.label)]
-        return [*known, *self._twins.slips(missing)] if self._has_slips else known
 
     def single(self) -> Iterator[tuple[Fault, ...]]:
         """Yield each mistake that alone leads to the last odd observation."""

@@ -58,10 +58,9 @@ class Twins:
     def attempt(self, case: Case, twin: Any) -> Any:
         """Return what a case observes of a twin. What the twin prints is dropped, for the learner did not write that.
 
-        Twins are watched only if the cases are tried one by one: there each case has few mistakes of its own, while
-        interrupting the twins for all known mistakes at each instruction would take too long.
+        Twins are not watched: interrupting the twins for all known mistakes at each instruction would take too long.
         """
-        trial = self._begin(twin, (A_MISTAKE,) if self.cases.one_by_one else (), False)
+        trial = self._begin(twin, (), False)
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
             return attempt(case.run, trial)
 

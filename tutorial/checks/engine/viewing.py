@@ -1,10 +1,10 @@
-"""Viewing: what all exercises about viewers try, step by step, and the mistakes that they share."""
+"""Viewing: what all exercises about viewers try, step by step."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from typing import Any
 
-from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
+from tutorial.checks.engine.cases import Case, Cases, Run
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.interleave import early
 from tutorial.checks.engine.real_dds import ros_node, send
@@ -18,19 +18,13 @@ POST = "self.call_later(self.update, message)"
 BESIDE = "You probably post from a timer or a thread of your own. Post in the callback, once for each message."
 
 SHARED_BY_VIEWERS = "You probably keep something on the class, which all viewers share. Set it on self, in configure."
+ANOTHER_TOPIC = "You probably subscribe to another topic or type, or outside of configure. In configure write {}."
 NOT_POSTED = ("You probably skip messages, by time or by count, or post none at all. "
               "Post a call for each one, {}, and show it.")  # fmt: skip
-MOVES = ("You probably call calc_forward_kinematics or notify_change too early, or not after every move. "
-         "First move the body, then call these two, in this order.")  # fmt: skip
-MISSING_CALLS = [
-    Mistake("you call neither calc_forward_kinematics nor notify_change. Call both after each move, in this order.",
-            both(replace("self.body.calc_forward_kinematics()", "pass"), replace("self.body.notify_change", "str"))),
-    Mistake("you don't call calc_forward_kinematics, so the links stay behind. "
-            "Call it after each move, before notify_change.",
-            replace("self.body.calc_forward_kinematics()", "pass")),
-    Mistake("you don't call notify_change, so nobody draws the move. Call it after each move, as the last step.",
-            replace("self.body.notify_change", "str")),
-]  # fmt: skip
+MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
+         "After every move of the body call these two, in this order.")  # fmt: skip
+PAST_THE_QUEUE = ("You probably post to the event loop yourself, so the call still runs after the "
+                  "controller has left its body. Use what config has to post: it drops such calls.")  # fmt: skip
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
@@ -86,36 +80,14 @@ def side_by_side(*done: Step) -> Step:
     return step
 
 
-def past_the_queue(post: str) -> Mistake:
-    """Return the mistake of an answer that goes to the event loop by itself.
-
-    Args:
-        post: the solution's statement that posts.
-    """
-    return Mistake(
-        "you post to the event loop yourself, so the call still runs after the controller has left its body. "
-        f"Use {post}: it drops such calls.",
-        both(replace("self.node = config.node", "self.node, self.loop = config.node, get_running_loop()"),
-             replace(post, "self.loop.call_soon_threadsafe(self.update, message)")))  # fmt: skip
-
-
-def _topic(kind: type, topic: str, listens: Run) -> Case:
-    """Make the case of the topic to which a viewer listens."""
-    right = f'the topic is f"{{config.body.name}}/{topic}".'
-    call = f'config.node.create_subscription({kind.__name__}, f"{{config.body.name}}/{topic}", ...)'
-    meaning = f"You probably subscribe to another topic or type, or outside of configure. In configure write {call}."
-    name = f"{{self.body.name}}/{topic}"
-    return Case("on the body Rover", listens, meaning, mistakes=[
-        Mistake(f"you leave out the body's name: {right}", replace(name, topic)),
-        Mistake(f"you hard-code the body's name: {right}", replace(name, f"Tank/{topic}"))])  # fmt: skip
-
-
 def viewing(
     solution: type,
     topic: str,
     message: Any,
+    arrivals: Sequence[Step],
     cases: Sequence[Case],
-    clock: str = NOT_POSTED.format(POST),
+    post: str = POST,
+    may_ask_clock: bool = False,
     viewer: type[Viewer] = Viewer,
 ) -> Cases:
     """Put together what an exercise about a viewer tries, and what all of them try.
@@ -124,8 +96,10 @@ def viewing(
         solution: the right answer.
         topic: the topic that it listens to, without the body's name.
         message: a message that another program sends in the end, with rclpy's own node.
+        arrivals: steps in which messages arrive, the last one made by `hands_over`.
         cases: the exercise's own, in the order in which they are tried.
-        clock: the cause of a wrong observation if the answer asks the computer's clock; "" if it may ask it.
+        post: the solution's statement that posts.
+        may_ask_clock: whether an answer may ask the computer's clock.
         viewer: makes what an answer is tried in.
     """
 
@@ -135,9 +109,15 @@ def viewing(
             made.drain()
             return made.where()
 
-    kind = type(message)
+    kind, not_posted = type(message), NOT_POSTED.format(post)
     listens = steps(lambda viewer: viewer.node.on(kind, f"Rover/{topic}"), viewer=viewer)
+    call = f'config.node.create_subscription({kind.__name__}, f"{{config.body.name}}/{topic}", ...)'
     soon = early(lambda trial, node: Viewer(trial, node=node).close(), message)
-    last = Case("a message as soon as there is a subscription", soon)
-    tried = [_topic(kind, topic, listens), *cases, last]
+    tried = [
+        Case("on the body Rover", listens, ANOTHER_TOPIC.format(call)),
+        Case("messages come", steps(*arrivals, viewer=viewer), not_posted),
+        *cases,
+        Case("a message as soon as there is a subscription", soon),
+    ]
+    clock = "" if may_ask_clock else not_posted
     return Cases(solution, tried, [], SHARED_BY_VIEWERS, clock=clock, on_ros=on_ros, one_by_one=True)
