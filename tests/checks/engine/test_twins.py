@@ -13,7 +13,7 @@ def test_twins_are_the_solution_with_mistakes():
     add, multiply, *_ = toys.TOY.faults
     assert toys.TWINS.make(add, multiply)(4) == 18
     assert toys.TWINS.make(add, add) is None
-    assert toys.TWINS.alone(toys.CASES[1], add) == 6
+    assert toys.TWINS.does(toys.CASES[1], add) == 6
     (partly,) = cases.Mistake("", cases.replace("2 * x", "partial(max, 9)(x)")).faults()
     assert toys.TWINS.make(partly)(4) == 10
 

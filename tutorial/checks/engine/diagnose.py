@@ -145,9 +145,9 @@ class _Search:
         self._seen, self._twins, self._last = seen, twins, odd[-1]
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
         self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
-        self._leading = [each for each in self._known if same(twins.alone(self._last.case, each), self._last.value)]
+        self._leading = [each for each in self._known if same(twins.does(self._last.case, each), self._last.value)]
         # The quickest cases are tried first. What is odd is preferred: a mistake most likely does something else there.
-        self._quickest = sorted(seen, key=lambda each: each.seconds * (1 if each.is_odd else 2))
+        self._quickest = sorted(seen, key=lambda each: (not each.is_odd, each.seconds))
 
     def single(self) -> Iterator[tuple[Fault, ...]]:
         """Yield each mistake that alone leads to the last odd observation."""
@@ -174,7 +174,4 @@ class _Search:
 
     def leads_to_all(self, faults: tuple[Fault, ...]) -> bool:
         """Whether the solution with these mistakes does in every case what the answer did."""
-        twin = self._twins.make(*faults)
-        return twin is not None and all(
-            same(self._twins.attempt(each.case, twin), each.value) for each in self._quickest
-        )
+        return all(same(self._twins.does(each.case, *faults), each.value) for each in self._quickest)

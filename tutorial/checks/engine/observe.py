@@ -26,7 +26,7 @@ class Observation:
         case: the case.
         value: what it has returned, or the `Failure` that ended it.
         expected: what it returns for the solution.
-        seconds: how long it took [s].
+        seconds: how long the solution took [s]. The answer took longer if it was the first to need a body's model.
         noted: what the answer did besides its work, as in `Trial.noted`.
     """
 
@@ -88,10 +88,10 @@ def observe(
     shared, seen = SharedState(answer), list[Observation]()
     watched = files_of(answer)  # at once, because the answer's class may later hold functions that are not its own
     for case in cases.cases:
-        trial, began = begin(answer, watched), time.monotonic()
-        value = attempt(case.run, trial)
-        seconds = time.monotonic() - began
-        seen.append(Observation(case, value, expected(case), seconds, dict(trial.noted)))
+        trial = begin(answer, watched)
+        value, began = attempt(case.run, trial), time.monotonic()
+        wanted = expected(case)
+        seen.append(Observation(case, value, wanted, time.monotonic() - began, dict(trial.noted)))
         if seen[-1].is_misuse or (cases.one_by_one and seen[-1].is_odd):
             break
     return Observations(tuple(seen), shared.changed())

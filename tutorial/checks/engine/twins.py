@@ -28,7 +28,7 @@ class Twins:
     Args:
         cases: what they are tried in, with the solution and the known mistakes.
         begin: begins a trial; its arguments are those of `Trial`.
-        seen: what was observed of the solution and of its twins with one mistake; new observations are added.
+        seen: the twins, and what was observed of them and of the solution; new ones are added.
     """
 
     def __init__(
@@ -44,16 +44,16 @@ class Twins:
             self._seen[case.label] = case.run(self._begin(self.cases.solution, ()))
         return self._seen[case.label]
 
-    def alone(self, case: Case, fault: Fault) -> Any:
-        """Return what a case observes of the solution with one mistake; None if the mistake cannot be made."""
-        if (case.label, fault) not in self._seen:
-            twin = self.make(fault)
-            self._seen[case.label, fault] = twin and self.attempt(case, twin)
-        return self._seen[case.label, fault]
+    def does(self, case: Case, *faults: Fault) -> Any:
+        """Return what a case observes of the solution with mistakes; None if they cannot be made."""
+        if (case.label, faults) not in self._seen:
+            twin = self.make(*faults)
+            self._seen[case.label, faults] = twin and self.attempt(case, twin)
+        return self._seen[case.label, faults]
 
     def shows(self, case: Case, fault: Fault) -> bool:
         """Whether a mistake alone makes a case's observation wrong."""
-        return not same(self.alone(case, fault), self.expected(case))
+        return not same(self.does(case, fault), self.expected(case))
 
     def attempt(self, case: Case, twin: Any) -> Any:
         """Return what a case observes of a twin. What the twin prints is dropped, for the learner did not write that.
@@ -69,7 +69,12 @@ class Twins:
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:
-        """Define the solution with mistakes in it; None if one of them leaves nothing for another one to change."""
+        """Return the solution with mistakes in it; None if one of them leaves nothing for another one to change."""
+        if faults not in self._seen:
+            self._seen[faults] = self._define(*faults)
+        return self._seen[faults]
+
+    def _define(self, *faults: Fault) -> Any:
         source: str | None = self.source
         for fault in faults:
             source = source and fault.made_in(source)
