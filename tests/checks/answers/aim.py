@@ -5,7 +5,9 @@ from dataclasses import InitVar, dataclass
 
 import numpy as np
 
-from tutorial.checks.aim import HeldJoint
+from tutorial.checks.aim import HeldJoint, aim
+
+from . import edited
 
 
 class InOneMethodEach:
@@ -53,21 +55,6 @@ class ADataclass:
 RIGHT = [InOneMethodEach, ByTheJointsVelocity, StopsAtTheEnd, ADataclass]
 
 
-class SetsPosition(HeldJoint):
-    def aim(self, stick):
-        self.joint.position = self.q_ref + 0.002 * stick
-
-
-class TypedRange(HeldJoint):
-    def aim(self, stick):
-        super().aim(min(stick, (0.78 - self.q_ref) / 0.002))
-
-
-class PerMillisecond(HeldJoint):
-    def __init__(self, joint, time_step):
-        super().__init__(joint, 0.001)
-
-
 class ByTheClock(HeldJoint):
     before = 0.0
 
@@ -88,9 +75,9 @@ class OneByOne(HeldJoint):
 
 
 WRONG = [
-    (SetsPosition, "set the result as joint.position"),
-    (TypedRange, "fixed ends of the range"),
-    (PerMillisecond, "a fixed time step"),
+    (edited(aim, ("self.joint.effort = 200 * (q_ref - q)", "self.joint.position = q_ref")), "as joint.position"),
+    (edited(aim, ("= self.joint.range", "= -0.1700001, 0.7800001")), "fixed ends of the range"),
+    (edited(aim, ("= time_step", "= 0.001")), "a fixed time step"),
     (ByTheClock, "the computer's clock"),
     (OneByOne, "add the torque to the last one with +="),
 ]

@@ -6,7 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from rclpy.time import Time
 
-from tutorial.checks.gaps import find_gaps
+from tutorial.checks.gaps import find_gaps, gaps
+
+from . import edited
 
 TENTH, SECOND = 100_000_000, 1_000_000_000
 
@@ -49,10 +51,6 @@ def neighbours_of_some(messages):
     return neighbours(messages) if messages[0] else []
 
 
-def own_words(messages):
-    return [(what.upper(), before, after) for what, before, after in find_gaps(messages)]
-
-
 newest_of_all: list[int] = []
 
 
@@ -67,7 +65,7 @@ EMPTY = "You probably expect at least one message"
 
 
 WRONG = [
+    (edited(gaps, ('"gap"', '"GAP"')), 'The only words are "gap" and "restart".'),
     (neighbours_of_some, [LAST, EMPTY]),
-    (own_words, ['The only words are "gap" and "restart".']),
     (kept_newest, ["You keep newest_of_all from call to call"]),
 ]

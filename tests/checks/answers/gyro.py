@@ -6,7 +6,9 @@ import numpy as np
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
-from tutorial.checks.gyro import GyroPublisher
+from tutorial.checks.gyro import GyroPublisher, gyro
+
+from . import edited
 
 
 class CountsItsSteps(GyroPublisher):
@@ -74,14 +76,7 @@ class OnItsOwnThread(AtATime):
         self.end.set()
 
 
-class AnotherFrame(GyroPublisher):
-    def control(self):
-        self.io.body.name, name = "odom", self.io.body.name
-        super().control()
-        self.io.body.name = name
-
-
 WRONG = [
+    (edited(gyro, ("{self.io.body.name}", "odom")), "leave out the name of the body or the sensor"),
     (OnItsOwnThread, "publish from a timer or a thread"),
-    (AnotherFrame, "leave out the name of the body or the sensor"),
 ]

@@ -5,7 +5,9 @@ from array import array
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.publish import SlowPublisher
+from tutorial.checks.publish import SlowPublisher, publish
+
+from . import edited
 
 
 class OneMessage(SlowPublisher):
@@ -29,19 +31,6 @@ class OneMessage(SlowPublisher):
 RIGHT = [OneMessage]
 
 
-class ByATimer(SlowPublisher):
-    def initialize(self, io):
-        super().initialize(io)
-        self.timer = self.node.create_timer(0.04, super().control)
-
-
-class WithASlash(SlowPublisher):
-    def configure(self, config):
-        config.body.name, name = f"/{config.body.name}", config.body.name
-        super().configure(config)
-        config.body.name = name
-
-
 class OneForEachJoint(SlowPublisher):
     def control(self):
         for joint in self.io.body.joints:
@@ -49,21 +38,16 @@ class OneForEachJoint(SlowPublisher):
             super().control()
 
 
-class MakesTwo(SlowPublisher):
-    def configure(self, config):
-        super().configure(config)
-        super().configure(config)
-
-
 class DestroysInStop(SlowPublisher):
     stop = SlowPublisher.unconfigure
 
 
+OTHER = "self.node.create_publisher(JointState, 'other', 1)"
 WRONG = [
+    (edited(publish, ('f"', 'f"/')), "without a slash in front"),
+    (edited(publish, ("self.publisher =", f"{OTHER}\nself.publisher =")), "You probably make one at every start"),
+    (edited(publish, ("self.io = io", "self.io = io\nself.node.create_timer(0.04, print)")), "a timer or a thread"),
     (type("A", (SlowPublisher,), {"unconfigure": lambda a: a.node.destroy_subscription(a.publisher)}), "destroy_publ"),
-    (WithASlash, "without a slash in front"),
-    (MakesTwo, "You probably make one at every start"),
     (DestroysInStop, "destroy it in stop"),
-    (ByATimer, "publish from a timer or a thread"),
     (OneForEachJoint, "a message for each joint"),
 ]

@@ -3,7 +3,9 @@
 from contextlib import suppress
 from queue import Empty
 
-from tutorial.checks.record import MyRecorder, QueueRecorder
+from tutorial.checks.record import NEVER, MyRecorder, QueueRecorder, record
+
+from . import edited
 
 
 class Patient(QueueRecorder):
@@ -35,33 +37,11 @@ class ClosesInTheThread(QueueRecorder):
         self.writer.join(10.0)
 
 
-class Exchanged(MyRecorder):
-    def write(self):
-        while entry := self.received.get():
-            self.bag.write(self.connection, *entry[::-1])
-
-
-class Hurries(MyRecorder):
-    def unconfigure(self):
-        self.node.destroy_subscription(self.subscription)
-        self.received.put(None)
-        self.writer.join(0.1)
-        self.bag.close()
-
-
 class Polls(MyRecorder):
     def write(self):
         while True:
             if not self.received.empty():
                 super().write()
-
-
-class WritesItself(MyRecorder):
-    def unconfigure(self):
-        self.node.destroy_subscription(self.subscription)
-        self.received.put(None)
-        self.write()
-        self.bag.close()
 
 
 class Counts(MyRecorder):
@@ -102,22 +82,19 @@ class GoesOn(MyRecorder):
                 self.bag.write(self.connection, *entry)
 
 
-class NeverEnds(MyRecorder):
-    def unconfigure(self):
-        self.node.destroy_subscription(self.subscription)
-        self.writer.join()
-        self.received.put(None)
-        self.bag.close()
-
-
 RIGHT = [Patient, ClosesInTheThread, Counts]
 WRONG = [
+    (edited(record, ("*received)", "*received[::-1])")), "self.bag.write(self.connection, time_ns, payload)"),
+    (edited(record, ("join()", "join(0.1)")), "you close the bag"),
+    (edited(record, ("self.writer.join()", "self.write()")), "You probably take None out of the queue"),
+    (
+        edited(
+            record, ("self.received.put(None)", "pass"), ("self.bag.close", "self.received.put(None)\nself.bag.close")
+        ),
+        NEVER,
+    ),
     (CountsTooLate, "super().configure(config) starts the thread"),
     (CallsNoSuper, "Call it: it makes the queue"),
     (GoesOn, "You probably go on after None"),
-    (NeverEnds, "You probably put None after join"),
-    (Exchanged, ["self.bag.write(self.connection, time_ns, payload)"]),
-    (Hurries, ["you close the bag"]),
     (Polls, ["get() waits for an entry"]),
-    (WritesItself, ["You probably take None out of the queue"]),
 ]

@@ -27,23 +27,3 @@ class WithArrays(ThriftyPublisher):
 
 
 RIGHT = [WithArrays]
-
-
-class BySpeed(ThriftyPublisher):
-    def control(self):
-        for joint in self.io.body.joints:
-            far = abs(joint.velocity) * 0.02 > 0.001
-            if joint.name in self.sent:
-                self.sent[joint.name] = joint.position + (1.0 if far else 0.0)
-        super().control()
-
-
-class KeepsTheJoint(ThriftyPublisher):
-    def control(self):
-        for joint in self.io.body.joints:
-            if joint.name in self.sent:
-                self.sent[joint.name] = joint.position
-        super().control()
-
-
-WRONG = [(BySpeed, "how fast a joint moves"), (KeepsTheJoint, "compare a position with itself")]

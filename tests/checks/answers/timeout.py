@@ -1,8 +1,8 @@
 """The exercise `timeout`: right answers in their styles, and what no edit of the solution tells."""
 
-from copy import copy
+from tutorial.checks.timeout import CommandTimeout, timeout
 
-from tutorial.checks.timeout import CommandTimeout
+from . import edited
 
 
 class Deadline:
@@ -39,18 +39,9 @@ class Shared(CommandTimeout):
         return seconds - self.came["since"] <= 0.5
 
 
-class SaysTheAge(CommandTimeout):
-    def fresh(self, message, seconds):
-        super().fresh(message, seconds)
-        return seconds - self.since
-
-
-class KeepsACopy(CommandTimeout):
-    def fresh(self, message, seconds):
-        fresh = super().fresh(message, seconds)
-        self.message = copy(message)
-        return fresh
-
-
 RIGHT = [Deadline, Identity]
-WRONG = [(Shared, ["in __init__"]), (SaysTheAge, ["Return True or False"]), (KeepsACopy, ["keep no copy"])]
+WRONG = [
+    (Shared, "in __init__"),
+    (edited(timeout, (" <= 0.5", "")), "Return True or False"),
+    (edited(timeout, ("self.message = message", "self.message = Joy(axes=message.axes)")), "keep no copy"),
+]
