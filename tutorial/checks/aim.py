@@ -104,10 +104,6 @@ MISTAKES = [
                          "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),
     Mistake("you set no torque while the stick rests. The joint has to be held then, too.",
             replace("lower, upper =", "if not stick: return\nlower, upper =")),
-    Mistake("you set no torque at an end of the range. The joint has to be held there, too.",
-            replace("lower, upper =",
-                    "lower, upper = self.joint.range\nif not lower <= "
-                    "self.q_ref + 0.002 * stick <= upper: return\nlower, upper =")),
 ]  # fmt: skip
 MEANING = ("Compare yours: move and limit q_ref, then compute both speeds, "
            "then set 200 * (q_ref - q) + 50 * (dq_ref - dq), not limited.")  # fmt: skip

@@ -205,8 +205,7 @@ CASES = [
     Case("before the first message", after("start", 1),
          "You probably rely on a message. There may be none yet: begin with an empty one, Latest(Joy()).",
          crashes=True),
-    Case("a second step does the same", second_step,
-         "You probably smooth the speeds, or use a message for one "
+    Case("a second step does the same", second_step, "You probably smooth the speeds, or use a message for one "
          "step only. Set the speeds at once, and in every step."),
     *(Case(f"left_x {x:g}, left_y {y:g}", after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1)) for x, y in STICKS),
     Case("all sticks rest", after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1), AT_REST),

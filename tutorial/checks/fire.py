@@ -143,8 +143,7 @@ CASES = [
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is held, in a second message", after((1, 0), (1, 0)),
          "You probably put True only when the button goes down. Put True as long as it is pressed."),
-    Case("button 0 is released", after((1, 0), (0, 0)),
-         "You probably don't put False after the release, or you ignore "
+    Case("button 0 is released", after((1, 0), (0, 0)), "You probably don't put False after the release, or you ignore "
          "messages that come soon after another. Then True stays."),
     Case("button 0 is pressed, after a message with it released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),

@@ -84,10 +84,12 @@ MISTAKES = [
     Mistake("you always return an empty list: compare each stamp "
             "with the newest so far, and let no `try` hide an error.",
             replace("return found", "return []")),
-    Mistake("you use only sec or only nanosec, which starts at 0 "
-            "again with every second: a stamp is both together.",
+    Mistake("you use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
+    Mistake("you compare the bag's own times. They say when a message "
+            "was received, not when it was made: compare the stamps.",
+            replace("Time.from_msg(message.header.stamp).nanoseconds", "_")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "
            'in nanoseconds. Compare each stamp with it, append ("gap", newest, stamp) or '
@@ -157,8 +159,7 @@ def whole(number: Any) -> str | float:
 
 A_GAP = ("You probably have another limit, or append something else. If a stamp is more than 100_000_000 "
          'ns ahead, append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
-RECEIPT = ("Most likely you compare the bag's own times. They say when a "
-           "message was received, not when it was made: compare the stamps.")  # fmt: skip
+RECEIPT = f"Most likely {MISTAKES[-1].cause}"
 BOTH_PARTS = ("You probably use only sec or only nanosec, which starts "
               "at 0 again with every second: a stamp is both together.")  # fmt: skip
 FRACTION = "You probably compute seconds as floats, which are rounded: count in whole nanoseconds."

@@ -249,16 +249,14 @@ CASES = [
     Case("the frame", PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
          "You probably hard-code or leave out the body, or name another "
          'frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
-    Case("the stamp", stamps,
-         "You probably don't pass the time of asking on, or not all of it: "
+    Case("the stamp", stamps, "You probably don't pass the time of asking on, or not all of it: "
          "self.camera.capture(self.publish, self.io.time_ns), and then both sec and nanosec."),
     Case("pictures that come late, or not at all", lambda trial: stamps(trial, delay=40, missed=2),
          "You probably don't ask at every due time, or don't stamp each picture with the time of "
          "asking for it. Pass that time on: self.camera.capture(self.publish, self.io.time_ns)."),
     Case("nothing moves, so all pictures are equal", still,
          "You probably leave out a picture that equals an earlier one. It is still a message: publish each."),
-    Case("after stop", left_open,
-         "You probably don't close the camera in stop, or have looked up several: "
+    Case("after stop", left_open, "You probably don't close the camera in stop, or have looked up several: "
          "look it up in initialize, and let stop call self.camera.close()."),
 ]  # fmt: skip
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")

@@ -234,8 +234,7 @@ CASES = [
          "self.body.calc_forward_kinematics() and self.body.notify_change() after that."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
     Case("after unconfigure, landed and moved elsewhere", hopped(blow, land, move_it, Hall.leaves), STAYS),
-    Case("a call that waits when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))),
-         PAST_THE_QUEUE),
+    Case("a call that waits when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
 ]  # fmt: skip
 ARRIVALS = harmless, hands_over(imu(*BLOW))
 hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), ARRIVALS, CASES, may_ask_clock=True, viewer=Hall))

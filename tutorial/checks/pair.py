@@ -72,6 +72,9 @@ MISTAKES = [
     Mistake("you take two messages of one topic for a pair: a pair has one of each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
+    Mistake("you drop a message too early, though 50 may wait: look for "
+            "the partner first, then drop one if there are more than 50.",
+            replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: a message waits by its stamp until "
            "the other topic's message with the same stamp comes, whichever is "

@@ -124,8 +124,7 @@ def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
 
 PUBLISHING = Publishing(JointState, "turret", 25, moving, joints)
 CASES = [
-    Case("the names", PUBLISHING.sent(0.2, names),
-         "You probably leave out joints, repeat some, or rename them. "
+    Case("the names", PUBLISHING.sent(0.2, names), "You probably leave out joints, repeat some, or rename them. "
          "Each message has [joint.name for joint in self.joints]."),
     Case("position", PUBLISHING.sent(0.2, partial(numbers, field="position")),
          "You probably leave out position, round or convert it, mix up the joints, or send old "
@@ -136,8 +135,7 @@ CASES = [
     Case("effort", PUBLISHING.sent(0.2, partial(numbers, field="effort")),
          "You probably leave out effort, mix up the joints, or send old values. "
          "Read all again for each message: [joint.effort for joint in self.joints]."),
-    Case("while nothing moves", at_rest,
-         "You probably publish only what has changed. Publish each "
+    Case("while nothing moves", at_rest, "You probably publish only what has changed. Publish each "
          "message, even if it says the same as the one before."),
     Case("on the crane Lift", PUBLISHING.sent(0.2, model="crane", name="Lift")),
 ]  # fmt: skip

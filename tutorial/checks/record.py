@@ -76,7 +76,6 @@ MISTAKES = [
     Mistake("you keep the messages until the end, and lose them if the "
             "program crashes: write each one before you take the next.",
             replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
-    Mistake("you write only one entry: repeat it until None comes.", replace("while received :=", "if received :=")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
            "Only the thread takes entries and writes, and only None ends it.")  # fmt: skip

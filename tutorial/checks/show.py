@@ -142,13 +142,11 @@ FIRST = [
     Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
          "You probably drop a message because of its stamp. After a restart of "
          "the publisher, stamps are smaller, and they may be equal."),
-    Case("an equal message again", steps(repeated),
-         "You probably leave out a message that repeats the positions of "
+    Case("an equal message again", steps(repeated), "You probably leave out a message that repeats the positions of "
          "the one before. Show every message, and notify after it."),
     Case("a message that comes while the body is drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
-         "You probably hold a lock while you draw, so the "
-         "callback waits. Hold it only while you take the message."),
+         "You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message."),
     Case("a call that waits when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
          PAST_THE_QUEUE),
 ]  # fmt: skip

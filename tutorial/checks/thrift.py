@@ -85,6 +85,7 @@ MISTAKES = [
             replace("if news:", "news = dict([*news.items()][:1])\nif news:",
                     "news = dict([*news.items()][-1:])\nif news:",
                     "news = dict([*news.items()][: 1 if self.sent else None])\nif news:")),
+    Mistake("you send a message even if no joint has moved. Send nothing then.", replace("if news:", "if True:")),
     Mistake("you compare with the positions of 1/50 s ago, or of the last "
             "message. Compare with what was last sent for each joint.",
             replace("if news:", "self.sent = positions\nif news:",

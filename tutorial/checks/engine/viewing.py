@@ -23,8 +23,8 @@ NOT_POSTED = ("You probably skip messages, by time or by count, or post none at 
               "Post a call for each one, {}, and show it.")  # fmt: skip
 MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
          "After every move of the body call these two, in this order.")  # fmt: skip
-PAST_THE_QUEUE = ("You probably post to the event loop yourself, so the call still runs after the "
-                  "controller has left its body. Use what config has to post: it drops such calls.")  # fmt: skip
+PAST_THE_QUEUE = ("You probably post to the event loop yourself, so the call still runs after the controller has left "
+                  "its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
