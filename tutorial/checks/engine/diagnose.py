@@ -146,7 +146,7 @@ class _Search:
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
         self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
         self._leading = [each for each in self._known if same(twins.does(self._last.case, each), self._last.value)]
-        # The quickest cases are tried first. What is odd is preferred: a mistake most likely does something else there.
+        # Odd cases are tried first, because another mistake most likely does something else there; then the quickest.
         self._quickest = sorted(seen, key=lambda each: (not each.is_odd, each.seconds))
 
     def single(self) -> Iterator[tuple[Fault, ...]]:
