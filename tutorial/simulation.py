@@ -15,7 +15,9 @@ from tutorial.handoff import Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
-SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005, a busy cell would starve a thread that wakes a thousand times a second
+SWITCH_INTERVAL = (
+    0.0002  # [s]; with Python's 0.005, a busy cell would starve a thread that wakes a thousand times a second
+)
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up on; it skips the rest
