@@ -1,4 +1,4 @@
-"""Right answers in their styles, and wrong ones that no edit of a solution tells: those of the folder ``answers``."""
+"""Right answers in their styles, and wrong ones: those of the folder ``answers``."""
 
 from importlib import import_module
 

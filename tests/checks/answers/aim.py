@@ -1,4 +1,4 @@
-"""The exercise `aim`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `aim`: right answers in their styles, and wrong ones."""
 
 import time
 from dataclasses import InitVar, dataclass

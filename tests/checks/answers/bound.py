@@ -1,4 +1,4 @@
-"""The exercise `bound`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `bound`: right answers in their styles, and wrong ones."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""The exercise `by_name`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `by_name`: right answers in their styles, and wrong ones."""
 
 from collections import OrderedDict
 from functools import partial

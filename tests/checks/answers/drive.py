@@ -1,4 +1,4 @@
-"""The exercise `drive`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `drive`: right answers in their styles, and wrong ones."""
 
 import threading
 import time

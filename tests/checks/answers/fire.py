@@ -1,4 +1,4 @@
-"""The exercise `fire`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `fire`: right answers in their styles, and wrong ones."""
 
 import time
 

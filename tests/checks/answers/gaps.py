@@ -1,4 +1,4 @@
-"""The exercise `gaps`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `gaps`: right answers in their styles, and wrong ones."""
 
 from itertools import pairwise
 from typing import NamedTuple

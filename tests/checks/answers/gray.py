@@ -1,4 +1,4 @@
-"""The exercise `gray`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `gray`: right answers in their styles, and wrong ones."""
 
 import queue
 import threading

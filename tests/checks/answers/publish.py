@@ -1,4 +1,4 @@
-"""The exercise `publish`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `publish`: right answers in their styles, and wrong ones."""
 
 from array import array
 

@@ -1,4 +1,4 @@
-"""The exercise `record`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `record`: right answers in their styles, and wrong ones."""
 
 from contextlib import suppress
 from queue import Empty

@@ -1,4 +1,4 @@
-"""The exercise `show`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `show`: right answers in their styles, and wrong ones."""
 
 import asyncio
 import threading

@@ -1,4 +1,4 @@
-"""The exercise `thrift`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `thrift`: right answers in their styles."""
 
 import numpy as np
 from rclpy.time import Time

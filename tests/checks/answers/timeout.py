@@ -1,4 +1,4 @@
-"""The exercise `timeout`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `timeout`: right answers in their styles, and wrong ones."""
 
 from tutorial.checks.timeout import CommandTimeout, timeout
 

@@ -1,4 +1,4 @@
-"""The exercise `where`: right answers in their styles, and what no edit of the solution tells."""
+"""The exercise `where`: right answers in their styles, and wrong ones."""
 
 from collections import namedtuple
 from functools import reduce
