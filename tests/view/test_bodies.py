@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scenes import commands
 
+from tutorial.errors import TutorialError
 from tutorial.view.bodies import View
 from tutorial.view.paint import STALE
 from tutorial.view.scene import Record, Scene, unpack_records
@@ -29,19 +30,22 @@ class Eye:
     """The state that a scene shows: objects, transforms and properties by path, and the number of messages.
 
     Attributes:
-        moved: the paths of the last message's transforms.
+        axes: by path, the objects that show frames; the others are in `objects`.
+        moved: the paths of the transforms of the last message.
     """
 
     def __init__(self, scene):
-        self.messages, self.objects, self.transforms, self.properties = 0, {}, {}, {}
+        self.messages, self.objects, self.axes, self.transforms, self.properties = 0, {}, {}, {}, {}
         self.read(scene.snapshot())
         scene.attach(self.read)
 
     def read(self, message):
         self.messages += 1
         every = commands(message)
+        drawn = {each["path"]: each["object"] for each in every if "object" in each}
+        self.axes |= {path: each for path, each in drawn.items() if "/frames/" in path}
         self.objects |= {
-            each["path"]: each["object"] for each in every if each["path"].startswith("/Bodies/") and "object" in each
+            path: each for path, each in drawn.items() if path.startswith("/Bodies/") and path not in self.axes
         }
         self.properties |= {(each["path"], each["property"]): each["value"] for each in every if "property" in each}
         poses = {each["path"]: np.reshape(each["matrix"], (4, 4)).T for each in every if "matrix" in each}
@@ -267,3 +271,41 @@ def test_a_close_ups_distance_fits_the_bodys_size(size):
     assert numbers[3:] == pytest.approx([1, 2, 3])
     assert np.linalg.norm(numbers[:3] - numbers[3:]) == pytest.approx(np.sqrt(2) * model.stat.extent)
     assert eye.properties["/Grid", "scale"] == pytest.approx([model.stat.extent / 10] * 3)
+
+
+ROBOT = """
+<mujoco>
+  <worldbody>
+    <body name="Rover/BASE" pos="0 0 0.5">
+      <freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      <body name="Rover/MAST"><joint name="Rover/MAST"/><geom size="0.1"/>
+        <camera name="Rover/EYE" pos="0.1 0 0" xyaxes="0 -1 0 0 0 1"/>
+      </body>
+      <body name="Rover/WHEEL"><joint name="Rover/WHEEL" group="3"/><geom size="0.1"/></body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def shown_frames(eye):
+    paths = {path.removesuffix("/axes") for path in eye.axes}
+    return {path.rpartition("/")[2] for path in paths if eye.properties[path, "visible"]}
+
+
+def test_frames_have_the_axes_of_tf_and_are_shown_by_name():
+    view, eye = drawn(room=SPHERE, Rover=mujoco.MjModel.from_xml_string(ROBOT))
+    assert view.frame_names == ("odom", "Rover/base_link", "Rover/MAST_link", "Rover/EYE_optical")
+    assert shown_frames(eye) == set()
+    view.show_frames("odom", "Rover/MAST_link")
+    view.flush()
+    assert shown_frames(eye) == {"odom", "Rover.MAST_link"}
+    assert "/Bodies/Rover/Rover.BASE" in eye.transforms  # though the body has no geoms
+    optical = eye.axes["/Bodies/Rover/Rover.MAST/frames/Rover.EYE_optical/axes"]["object"]["matrix"]
+    turned = np.reshape(optical, (4, 4)).T
+    assert turned @ (0, 0, 1, 0) == pytest.approx([1, 0, 0, 0])  # z ahead
+    assert turned @ (0, 1, 0, 0) == pytest.approx([0, 0, -1, 0])  # y down
+    with pytest.raises(TutorialError, match=r"no frame 'base_link'\. .*The frames are odom, Rover/base_link"):
+        view.show_frames("base_link")
+    view.remove("Rover")
+    assert view.frame_names == ("odom",)

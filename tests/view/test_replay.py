@@ -104,7 +104,7 @@ def test_a_joint_that_ends_stale_has_its_colour_in_the_replay():
     stage.view.flush()
 
     def coloured(message):
-        return [each for each in commands(message) if each["path"].startswith(PATH) and "property" in each]
+        return [each for each in commands(message) if each["path"].startswith(PATH) and each.get("property") == "color"]
 
     assert coloured(stage.scene.snapshot())
     assert not coloured(stage.stop(1.0).scene)

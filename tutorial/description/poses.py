@@ -1,7 +1,7 @@
 """Poses as 4 x 4 matrices, and in URDF's notation: position, and roll, pitch and yaw."""
 
 from collections.abc import Iterable
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, pi, sin
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
@@ -37,6 +37,10 @@ def turn(axis: ArrayLike, angle: float) -> Matrix:
     quaternion = np.empty(4)
     mujoco.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=float), angle)
     return pose((0.0, 0.0, 0.0), quaternion)
+
+
+OPTICAL = turn((1.0, 0.0, 0.0), pi)
+"""From MuJoCo's camera frame, z back and y up, to an optical frame, z forward and y down (REP 103)."""
 
 
 def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:

@@ -7,7 +7,6 @@ has the same name. Each sensor and camera has its own link, which is the frame o
 
 import logging
 from collections import Counter
-from math import pi
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element, SubElement
@@ -17,7 +16,7 @@ import numpy as np
 
 from tutorial.body import Body
 from tutorial.description.limits import add_dynamics, add_limit
-from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
+from tutorial.description.poses import OPTICAL, Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
 from tutorial.model.couplings import NOT_COMPUTED, Coupling, active_equalities, couplings_of, follow, roots
 from tutorial.model.urdf_file import NO_MASS
@@ -29,9 +28,6 @@ WORLD, FIRST = 0, 1
 """MuJoCo's ids of the world and of the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
-
-OPTICAL = turn((1.0, 0.0, 0.0), pi)
-"""From MuJoCo's camera frame, z back and y up, to an optical frame, z forward and y down (REP 103)."""
 
 _log = logging.getLogger(__name__)
 

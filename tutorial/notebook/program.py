@@ -55,7 +55,8 @@ class Program:
         self._name = node
         self._scene = scene = Scene()
         self.trace = HandoffTrace()
-        self.host = Host(project, ["--ros-args", "-r", f"__node:={node}"], View(scene), self.trace)
+        self._drawing = View(scene)
+        self.host = Host(project, ["--ros-args", "-r", f"__node:={node}"], self._drawing, self.trace)
         self.view = SceneView(scene, title=node)
         self._running = False
         self._open = True
@@ -179,6 +180,23 @@ class Program:
         finally:
             self._running = False
         bar.value, bar.bar_style = seconds, "success"
+
+    def show_frames(self, *names: str) -> None:
+        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The key X does it, too.
+
+        Args:
+            names: such as ``"odom"`` and ``"Tank/base_link"``; without any, all.
+
+        Raises:
+            TutorialError: there is no such frame; the text lists them.
+        """
+        self._drawing.show_frames(*(names or self._drawing.frame_names))
+        self._drawing.flush()
+
+    def hide_frames(self) -> None:
+        """Draw no frames' axes."""
+        self._drawing.show_frames()
+        self._drawing.flush()
 
     def record(self, path: Path | str) -> AbstractContextManager[None]:
         """Record what the view shows during a ``with`` block as a page that replays it, for instance::

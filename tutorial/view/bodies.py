@@ -10,8 +10,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial.errors import TutorialError, did_you_mean
 from tutorial.view import shapes
 from tutorial.view.arrows import Arrow, arrows_of
+from tutorial.view.frames import ODOM, Frame, frames_of
 from tutorial.view.paint import Paint
 from tutorial.view.scene import Scene, Vector
 
@@ -25,6 +27,9 @@ CLOSE_UP = np.array([-1.0, -0.8, 0.6])
 
 GRID = 10.0
 """Half the side of meshcat's grid [m]."""
+
+AXES = 0.3
+"""The length of a frame's axes, in terms of the robot's extent; and of those of `odom` [m]."""
 
 FLOOR = int(mujoco.mjtGeom.mjGEOM_PLANE)
 
@@ -67,6 +72,7 @@ class View:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self._bodies: dict[str, _Drawn] = {}
+        self._frames: dict[str, str] = {}  # by name, the paths of their axes
         self._furnish()
 
     def add(self, name: str, model: mujoco.MjModel) -> None:
@@ -80,7 +86,10 @@ class View:
             WrongThreadError: the current thread is not the scene's.
         """
         root = f"{ROOT}/{name}"
-        paths, geoms = self._draw(root, model)
+        frames = list(frames_of(name, model))
+        paths, geoms = self._draw(root, model, {frame.body for frame in frames})
+        for frame in frames:
+            self._draw_frame(paths[frame.body], frame, model.stat.extent)
         self._bodies[name] = _Drawn(model, _Poses(paths), tuple(arrows_of(root, model)), Paint(name, model, geoms))
         self._show_grid_without_floor()
         data = mujoco.MjData(model)
@@ -136,6 +145,7 @@ class View:
             WrongThreadError: the current thread is not the scene's.
         """
         self.scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
+        self._frames = {frame: path for frame, path in self._frames.items() if not path.startswith(f"{ROOT}/{name}/")}
         del self._bodies[name]
         self._show_grid_without_floor()
 
@@ -152,6 +162,30 @@ class View:
         x, y, z = (center + CLOSE_UP * extent).tolist()
         self.scene.look_at((x, y, z), tuple(center.tolist()))
         self._set("/Grid", "scale", [extent / GRID] * 3)
+
+    def show_frames(self, *names: str) -> None:
+        """Draw the axes of these frames, and of no others.
+
+        Args:
+            names: such as ``"odom"`` and ``"Tank/base_link"``; see `frame_names`.
+
+        Raises:
+            TutorialError: there is no such frame.
+            WrongThreadError: called on another thread than the scene's.
+        """
+        for name in names:
+            if name not in self._frames:
+                known = ", ".join(self._frames)
+                raise TutorialError(
+                    f"there is no frame {name!r}.{did_you_mean(name, self._frames)} The frames are {known}."
+                )
+        for name, path in self._frames.items():
+            self._set(path, "visible", name in names)
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """The frames that have axes: `odom`, and those of the robots that are drawn."""
+        return tuple(self._frames)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
         """Write one line below the view, and the rows of `readings` as a table below that: see `Scene.line`.
@@ -179,9 +213,12 @@ class View:
         has_floor = any(FLOOR in body.model.geom_type for body in self._bodies.values())
         self._set("/Grid", "visible", not has_floor)
 
-    def _draw(self, root: str, model: mujoco.MjModel) -> tuple[dict[int, str], dict[int, str]]:
-        """Draw the geoms, each below its MuJoCo body's path; return the paths of the bodies and of the geoms."""
-        bodies: dict[int, str] = {}
+    def _draw(self, root: str, model: mujoco.MjModel, more: Collection[int]) -> tuple[dict[int, str], dict[int, str]]:
+        """Draw the geoms, each below its MuJoCo body's path; return the paths of the bodies and of the geoms.
+
+        Those of the bodies in `more` are among them even if these have no geoms.
+        """
+        bodies = {body: f"{root}/{_label(model.body(body))}" for body in sorted(more)}
         geoms: dict[int, str] = {}
         for geom in filter(lambda geom: shapes.is_drawn(model, geom), range(model.ngeom)):
             body = int(model.geom_bodyid[geom])
@@ -189,6 +226,12 @@ class View:
             geoms[geom] = f"{path}/{_label(model.geom(geom))}"
             self._set_object(geoms[geom], shapes.draw_geom(model, geom, geoms[geom]))
         return bodies, geoms
+
+    def _draw_frame(self, path: str, frame: Frame, extent: float) -> None:
+        """Draw the axes of a frame below its body's path, and hide them. static/camera.js knows these paths, too."""
+        own = self._frames[frame.name] = f"{path}/frames/{frame.name.replace('/', '.')}"
+        self._set_object(f"{own}/axes", shapes.draw_axes(own, frame.name, AXES * extent, frame.pose, frame.label))
+        self._set(own, "visible", False)
 
     def _furnish(self) -> None:
         for key, value in SKY.items():
@@ -199,6 +242,7 @@ class View:
             self._set_object(f"/Lights/{name}", light)
         self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables it, but a sky casts none
         self._set("/Axes", "visible", False)
+        self._draw_frame("", Frame(ODOM, 0, np.eye(4)), 1.0)
         self._set("/Grid", "position", [0, 0, 0.003])  # at height 0 it would flicker with a floor
         self._set("/Grid/<object>", "color", [1, 1, 1, 0.4])
         self._set("/Cameras/default/rotated/<object>", "fov", 50)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial.description.colour import colour_of, is_seen
-from tutorial.description.poses import Matrix, pose, shift
+from tutorial.description.poses import Matrix, pose, shift, turn
 
 Json = dict[str, Any]
 Array = NDArray[np.float64]
@@ -26,6 +26,22 @@ FRONT, BOTH = 0, 2
 """three.js's constants for the sides of a surface to draw."""
 
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
+
+LABEL = 0.28
+"""The width of a frame's label, as a share of the distance to the camera."""
+
+THICKNESS = 0.02
+"""The radius of a frame's axes, in terms of their length."""
+
+AXES = {
+    "x": (turn((0.0, 1.0, 0.0), np.pi / 2), 0xE0241B),
+    "y": (turn((1.0, 0.0, 0.0), -np.pi / 2), 0x1FA32C),
+    "z": (np.eye(4), 0x2456E6),
+}
+"""What turns z into each axis, and the axis's colour as 0xRRGGBB."""
+
+ON_TOP = {"depthTest": False, "transparent": True}
+"""Of a material that nothing hides."""
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """In three.js the axis of a cylinder is y, in MuJoCo it is z."""
@@ -62,6 +78,43 @@ def draw_arrow(uuid: str, colour: int) -> Json:
     outline = ((0.0, 0.0), (0.012, 0.0), (0.012, 0.75), (0.035, 0.75), (0.0, 1.0))  # (radius, height) [m]
     material = {"type": "MeshPhongMaterial", "color": colour, "emissive": colour // 2 & 0x7F7F7F, "side": BOTH}
     return _mesh_object(uuid, _lathe(np.array(outline)), material, _Y_TO_Z)
+
+
+def draw_axes(uuid: str, name: str, length: float, place: Matrix, label: tuple[float, float, float]) -> Json:
+    """Write the axes of a frame as the object of a ``set_object`` command: x red, y green and z blue, as rviz2 does.
+
+    Nothing hides them. The frame's name is written in letters that are equally large at any distance.
+
+    Args:
+        uuid: a name for the object that nothing else in the scene has.
+        name: of the frame.
+        length: of the axes [m].
+        place: of the frame, (4, 4) [m].
+        label: where the name is written in the frame, in lengths of the axes.
+    """
+    bar = {"type": "CylinderGeometry", "radiusTop": THICKNESS * length, "radiusBottom": THICKNESS * length}
+    materials, parts = [], []
+    for axis, (turned, colour) in AXES.items():
+        own, along = f"{uuid} {axis}", turned @ shift((0.0, 0.0, length / 2)) @ _Y_TO_Z
+        materials.append({"uuid": own, "type": "MeshBasicMaterial", "color": colour, **ON_TOP})
+        mesh = {"uuid": f"{own} bar", "type": "Mesh", "geometry": f"{uuid} bar", "material": own, "renderOrder": 1}
+        parts.append({**mesh, "matrix": _column_by_column(along)})
+    text = {"uuid": f"{uuid} text", "type": "_text", "text": name, "font_size": 26, "font_face": "sans-serif"}
+    paint = {"uuid": f"{uuid} paint", "type": "SpriteMaterial", "map": text["uuid"], "sizeAttenuation": False, **ON_TOP}
+    sprite = {"uuid": f"{uuid} label", "type": "Sprite", "material": paint["uuid"], "renderOrder": 2}
+    written = shift(length * np.array(label)) @ np.diag([LABEL, LABEL, 1.0, 1.0])
+    return {
+        "metadata": {"version": 4.5, "type": "Object"},
+        "geometries": [{"uuid": f"{uuid} bar", **bar, "height": length, "radialSegments": 12}],
+        "textures": [text],
+        "materials": [*materials, paint],
+        "object": {
+            "uuid": uuid,
+            "type": "Group",
+            "matrix": _column_by_column(place),
+            "children": [*parts, {**sprite, "matrix": _column_by_column(written)}],
+        },
+    }
 
 
 def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **settings: Any) -> Json:
