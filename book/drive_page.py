@@ -20,7 +20,7 @@ from tutorial.body import Body
 from tutorial.model.actuators import effort_command
 from tutorial.program.project import Project
 from tutorial.system.paths import HOME, find_project
-from tutorial.view.assets import read_static
+from tutorial.view.assets import VIEW, read_static
 from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 from tutorial.world import compose, world_spec
@@ -87,7 +87,7 @@ def write_python(folder: Path) -> None:
 def script() -> str:
     """Return the page's script, including the code that it shares with the widgets."""
     sticks = read_static("make.js", "cell.js", "joystick.js").replace("\nexport default ", "\nreturn ")
-    shared = read_static("make.js", "scene.js", "viewer.js")
+    shared = read_static(*VIEW)
     page = (HERE / "drive.js").read_text(encoding="utf-8")
     text = f"{shared}\nconst joystick = (() => {{\n{sticks}\n}})();\n{page}".replace("\nexport ", "\n")
     return f"(() => {{\n{text}\n}})();\n"

@@ -1,5 +1,5 @@
 // The page `drive`: two programs of the course in the visitor's browser, with the visitor's own controllers.
-// drive_page.py puts make.js, scene.js, viewer.js and the joystick before this code in the same script.
+// The files of every view (VIEW in tutorial/view/assets.py) and the joystick precede this file in the same script.
 
 const HERE = document.currentScript.src, MESHCAT = new URL("main.min.js", HERE);
 const LOOK_EVERY = 500;  // [ms] between checks whether the programs are working
@@ -23,14 +23,15 @@ class WorldView {
     this.line = node.querySelector(".tank-view-line");
     this.shown = new Map();
     const pane = makePane(node.previousElementSibling.textContent);
-    node.prepend(pane);
+    const frame = make("div", "tank-view-frame");
+    frame.append(pane);
+    node.prepend(frame);
     try {
       this.picture = new Picture(pane, () => this.say(TAKEN.join(" ")));
     } catch (error) {
       this.blind = noGraphics(error).join(" ");
       return this.say();
     }
-    listenToKeys(pane, () => this.picture);
     new SceneReader(this.picture.viewer, () => {}).read(scene);
   }
 
@@ -110,37 +111,70 @@ class Program {
   }
 }
 
-/** The editor: a text with line numbers, and the error below it. */
+const WORDS = "and as assert async await break class continue def del elif else except finally for from global if import in is lambda " +
+  "nonlocal not or pass raise return try while with yield None True False";
+const PYTHON = new RegExp([
+  String.raw`(?<comment>#.*)`,
+  String.raw`(?<string>(?<!\w)[rbfuRBFU]{0,2}(?:"""[^]*?(?:"""|$)|'''[^]*?(?:'''|$)|"(?:\\.|[^"\\\n])*"?|'(?:\\.|[^'\\\n])*'?))`,
+  String.raw`\b(?<keyword>${WORDS.replaceAll(" ", "|")})\b`,
+  String.raw`(?<=\b(?:def|class)\s+)(?<name>\w+)`,
+  String.raw`\b(?<number>\d[\w.]*)`,
+].join("|"), "g");
+
+/** Colour Python. Returns the lines, each as a list of elements and texts. */
+function coloured(source) {
+  const lines = [[]];
+  const add = (text, kind) => text.split("\n").forEach((part, i) => {
+    if (i) lines.push([]);
+    lines.at(-1).push(kind ? make("span", `drive-${kind}`, {}, part) : part);
+  });
+  let end = 0;
+  for (const {0: text, index, groups} of source.matchAll(PYTHON)) {
+    add(source.slice(end, index));
+    add(text, Object.keys(groups).find((kind) => groups[kind] !== undefined));
+    end = index + text.length;
+  }
+  add(source.slice(end));
+  return lines;
+}
+
+/**
+ * The editor: a text, and the errors below it. A copy behind the text shows its colours and line numbers. Both break long
+ * lines at the same places.
+ */
 class Editor {
   constructor(root, onInput) {
-    [this.numbers, this.text, this.error] = ["numbers", "text", "error"].map((name) => root.querySelector(`.drive-${name}`));
+    [this.box, this.copy, this.text, this.error] = ["box", "copy", "text", "error"].map((name) => root.querySelector(`.drive-${name}`));
     this.text.addEventListener("input", () => {
-      this.number();
+      this.show();
       onInput(this.text.value);
     });
-    this.text.addEventListener("scroll", () => { this.numbers.scrollTop = this.text.scrollTop; });
   }
 
   set(source) {
     this.text.value = source;
-    this.text.scrollTop = this.text.scrollLeft = 0;
-    this.number();
+    this.box.scrollTop = 0;
+    this.show();
   }
 
-  number(wrong = 0) {
-    const count = this.text.value.split("\n").length;
-    const lines = Array.from({length: count}, (_, i) => make("span", i + 1 === wrong ? "drive-wrong" : "", {}, `${i + 1}\n`));
-    this.numbers.replaceChildren(...lines);
-    this.numbers.scrollTop = this.text.scrollTop;
+  show(wrong = 0) {
+    const lines = coloured(this.text.value).map((parts, i) => {
+      const line = make("div", i + 1 === wrong ? "drive-line drive-wrong" : "drive-line");
+      line.append(...parts, "\n");
+      return line;
+    });
+    this.copy.replaceChildren(...lines);
   }
 
   /** Show an error, and scroll to its line. */
   say(text) {
     Object.assign(this.error, {textContent: text, hidden: !text});
-    const line = Number(/, line (\d+)/.exec(text)?.[1] ?? 0);
-    const height = this.text.scrollHeight / this.text.value.split("\n").length;
-    if (line && Math.abs(this.text.scrollTop / height + 8 - line) > 6) this.text.scrollTop = Math.max(0, line - 8) * height;
-    this.number(line);
+    const number = Number(/, line (\d+)/.exec(text)?.[1] ?? 0);
+    this.show(number);
+    const line = this.copy.children[number - 1], {scrollTop, clientHeight} = this.box;
+    if (line && (line.offsetTop < scrollTop || line.offsetTop + line.offsetHeight > scrollTop + clientHeight)) {
+      this.box.scrollTop = line.offsetTop - clientHeight / 3;
+    }
   }
 }
 

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from browser import LIKE_A_CARD, Witness, chromium, open_browser, red_is_at
+from browser import LIKE_A_CARD, Witness, chromium, open_browser, pixels, red_is_at, red_spot
 from loops import in_a_loop, until
 from red_box import RedBox
 from scenes import lines
@@ -319,4 +319,58 @@ async def test_without_a_graphics_card_it_draws_less_and_only_changes(like_a_car
             assert await page.evaluate("window.drawn") == drawn
             if not like_a_card:
                 assert np.diff(drawn).min() > 95  # [ms]: ten pictures a second
+            assert witness.complaints == []
+
+
+DISTANCE_OF_CAMERA = "viewer.camera.position.distanceTo(viewer.controls.target)"
+AXES_ARE_VISIBLE = "viewer.scene_tree.find(['Bodies', 'box', 'box', 'frames', 'box.base_link']).object.visible"
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(300)
+@in_a_loop
+async def test_camera_keeps_its_limits_follows_and_resets():
+    async with open_browser(chromium()) as page:
+        witness, box, evaluate = Witness(page), RedBox(0.8, 0.5), page.evaluate
+
+        async def is_drawn(condition="true"):
+            await until(lambda: evaluate(f"!viewer.needs_render && {condition}"), f"drawn, {condition}")
+
+        async with SceneServer(box.scene, 0) as server:
+            await page.goto(server.url)
+            await is_seen(box, page)
+            home, away = await evaluate(WHERE), await evaluate(DISTANCE_OF_CAMERA)
+            await page.mouse.move(400, 300)
+            for _ in range(3):  # each drag would take it far below the floor
+                await page.mouse.down()
+                await page.mouse.move(400, 20, steps=4)
+                await page.mouse.up()
+                await page.mouse.move(400, 300)
+            await is_drawn()
+            assert (await evaluate(WHERE))[1] >= 0
+            assert await evaluate(DISTANCE_OF_CAMERA) == pytest.approx(away)
+            for _ in range(60):
+                await page.mouse.wheel(0, -100)
+            await is_drawn(f"{DISTANCE_OF_CAMERA} < {0.1 * away}")
+            assert red_spot(await pixels(page, "#pane")) is not None
+            for _ in range(200):
+                await page.mouse.wheel(0, 100)
+            await is_drawn()
+            assert await evaluate(DISTANCE_OF_CAMERA) == pytest.approx(4 * away)
+            await page.mouse.dblclick(400, 300)
+            await is_drawn()
+            assert await evaluate(WHERE) == pytest.approx(home)
+            await page.keyboard.press("f")
+            for x, z in ((3.0, 0.2), (-4.0, 0.9)):
+                box.move(x, z)
+                await red_is_at(page, "#pane", 0, 0)
+            await page.get_by_role("button", name="follow", pressed=True).click()
+            await page.get_by_role("button", name="follow", pressed=False).wait_for()
+            await page.keyboard.press("x")
+            assert await evaluate(AXES_ARE_VISIBLE)
+            await page.get_by_role("button", name="axes", pressed=True).click()
+            assert not await evaluate(AXES_ARE_VISIBLE)
+            await page.keyboard.press("r")
+            await is_drawn()
+            assert await evaluate(WHERE) == pytest.approx(home)
             assert witness.complaints == []

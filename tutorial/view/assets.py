@@ -8,6 +8,9 @@ from pathlib import Path
 STATIC = Path(__file__).parent / "static"
 """The folder of the tutorial's files."""
 
+VIEW = ("make.js", "camera.js", "scene.js", "viewer.js")
+"""The parts of the script that every view has: in a cell, on a page, in a replay and on the book's page `drive`."""
+
 
 def meshcats_viewer() -> Path:
     """Return the folder with meshcat's ``main.min.js``, found without importing meshcat (0.3 s)."""

@@ -18,14 +18,14 @@ import msgspec
 
 from tutorial.errors import TutorialError
 from tutorial.view.animation import Animation
-from tutorial.view.assets import STATIC, read_static, zipped_viewer
+from tutorial.view.assets import STATIC, VIEW, read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
 _log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # [s] between two frames while something moves
 
-SCRIPTS = ("make.js", "scene.js", "viewer.js", "replay.js")
+SCRIPTS = (*VIEW, "replay.js")
 STYLES = ("scene_view.css", "readings.css", "replay.css")
 
 

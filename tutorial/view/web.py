@@ -19,7 +19,7 @@ from tornado.web import Application, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from tutorial.errors import TutorialError
-from tutorial.view.assets import STATIC, meshcats_viewer
+from tutorial.view.assets import STATIC, VIEW, meshcats_viewer, read_static
 from tutorial.view.scene import Scene
 
 ADDRESS = "127.0.0.1"
@@ -65,6 +65,7 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
         self._browsers: set[_Browser] = set()
         pages = [
             (r"/", _Page),
+            (r"/page.js", _Script),
             (r"/socket", _Browser, {"scene": scene, "browsers": self._browsers}),
             (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
             (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
@@ -110,6 +111,12 @@ class _Protected(RequestHandler):
 class _Page(_Protected):
     def get(self) -> None:
         self.render("page.html", title=self.settings["title"])
+
+
+class _Script(_Protected):
+    def get(self) -> None:
+        self.set_header("Content-Type", "text/javascript; charset=utf-8")
+        self.write(read_static(*VIEW, "page.js"))
 
 
 class _Files(_Protected, StaticFileHandler):

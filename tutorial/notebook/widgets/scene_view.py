@@ -1,7 +1,7 @@
 """The 3D view in a cell: a scene, shown by meshcat's viewer over the notebook's connection."""
 
 from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
-from tutorial.view.assets import read_static, zipped_viewer
+from tutorial.view.assets import VIEW, read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
 
@@ -24,7 +24,7 @@ class SceneView(FrameWidget):
     """
 
     AHEAD = 60  # two seconds of a program's frames
-    _esm = read_static("make.js", "cell.js", "scene.js", "viewer.js", "scene_view.js")
+    _esm = read_static(*VIEW, "cell.js", "scene_view.js")
     _css = read_static("scene_view.css", "readings.css")
 
     def __init__(self, scene: Scene, title: str = "Tank") -> None:

@@ -87,7 +87,7 @@ class Pad {
     this.knob.style.transform = `translate(${-far * left}%, ${-far * up}%)`;
     this.knob.classList.toggle("tank-stick-held", left !== 0 || up !== 0);
     const say = (value) => (value < 0 ? "−" : "+") + Math.abs(value).toFixed(2);
-    this.numbers.textContent = `left ${say(left)}   up ${say(up)}`;
+    this.numbers.textContent = `left\u00a0${say(left)}   up\u00a0${say(up)}`;
   }
 }
 

@@ -1,10 +1,11 @@
 // The page of tutorial/view/web.py: a meshcat viewer that connects to the program, and reconnects when it is restarted.
-
-import {fit, makeViewer, noGraphics, sayBelow, SceneReader} from "./scene.js";
+// The files of every view (VIEW in tutorial/view/assets.py) precede this file in the same script.
 
 const PATIENCE = {first: 250, most: 2000};  // between two attempts to connect [ms]
 
-const pane = document.getElementById("pane");
+const pane = makePane(document.title);
+pane.id = "pane";
+document.querySelector("main").prepend(pane);
 const line = document.getElementById("line");
 const curtain = document.getElementById("curtain");
 
@@ -29,16 +30,15 @@ function connect(reader, patience = PATIENCE.first) {
 }
 
 function start() {
-  let viewer;
+  let picture;
   try {
-    [viewer] = makeViewer(pane);
+    picture = new Picture(pane, () => say(...TAKEN));
   } catch (error) {
     say(...noGraphics(error));
     return;
   }
-  fit(viewer, pane);
-  window.viewer = viewer;  // for the curious, in the browser's console
-  connect(new SceneReader(viewer, (text) => sayBelow(line, text)));
+  window.viewer = picture.viewer;  // for the curious, in the browser's console
+  connect(new SceneReader(picture.viewer, (text) => sayBelow(line, text)));
 }
 
 start();

@@ -1,5 +1,5 @@
-// Replays runs: the page's side of tutorial/view/replay.py. make.js, scene.js and viewer.js precede this file in the
-// same script.
+// Replays runs: the page's side of tutorial/view/replay.py. The files of every view (VIEW in tutorial/view/assets.py)
+// precede this file in the same script.
 
 const NEAR = "300px";  // pictures exist only within this distance from the window
 const SHORTEST = 0.1;  // duration of a run that gets a slider [s]
@@ -66,7 +66,6 @@ class Replay {
       this.pause();
       this.seek(Number(this.slider.value));
     });
-    listenToKeys(this.pane, () => this.picture);
     new IntersectionObserver((entries) => {
       if (entries.at(-1).isIntersecting) this.open();
       else this.close();

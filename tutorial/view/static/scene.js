@@ -106,7 +106,10 @@ function mend(viewer) {
 
 /** Dispose of lights, which meshcat forgets when it disposes of a part of the scene. */
 function letGo({object}) {
-  object.traverse((each) => { if (each.isLight) each.dispose(); });
+  object.traverse((each) => {
+    if (each.isLight) each.dispose();
+    for (const part of [each.geometry, each.material?.map, each.material]) part?.dispose?.();
+  });
 }
 
 /** Shows the messages of one scene. */
@@ -162,6 +165,7 @@ export class SceneReader {
     viewer.set_transform(["Cameras", "default"], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     viewer.camera.position.set(x, z, -y);  // three.js: y is up
     viewer.controls.target.set(toX, toZ, -toY);
+    viewer.controls.saveState();  // where a reset returns to
     viewer.set_dirty();
   }
 }

@@ -1,5 +1,5 @@
-// Shows a scene in a notebook's cell: the page's side of tutorial/notebook/widgets/scene_view.py. make.js, cell.js,
-// scene.js and viewer.js precede this file in the same module.
+// Shows a scene in a notebook's cell: the page's side of tutorial/notebook/widgets/scene_view.py. The files
+// of every view (VIEW in tutorial/view/assets.py) and cell.js precede this file in the same module.
 
 const WAITING = ["Connecting…", "If a cell is running, the picture appears when the cell is done."];
 const ENDED = ["The kernel has ended or was restarted.", "Run the notebook's cells again to get the view back."];
@@ -24,17 +24,14 @@ class CellView extends FrameView {
     this.pane.style.height = "420px";
     this.curtain = make("div", "tank-view-curtain", {role: "status"});
     this.curtain.append(make("strong", ""), make("span", ""));
-    const hint = make("div", "tank-view-hint", {"aria-hidden": "true"});
-    hint.textContent = "drag or arrow keys: turn · scroll or + −: zoom · Esc: leave";
     this.line = make("div", "tank-view-line");
     this.line.hidden = true;
     this.ended = make("div", "tank-view-ended", {role: "status"}, "closed: this is its last picture");
-    this.frame.append(this.pane, hint, this.ended, this.curtain);
+    this.frame.append(this.pane, this.ended, this.curtain);
     const box = make("div", "tank-view");
     box.append(this.frame, this.line);
     el.append(box);
     this.raise(...WAITING);
-    listenToKeys(this.pane, () => this.picture);
   }
 
   raise(title, hint) {

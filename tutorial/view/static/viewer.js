@@ -1,11 +1,18 @@
-// meshcat's viewer as one part of a page: in a notebook's cell, or in a replay. make.js and scene.js precede this file
-// in the same script.
+// meshcat's viewer as one part of a page: in a notebook's cell, or in a replay. make.js, camera.js and scene.js precede
+// this file in the same script.
 
 const TURN = Math.PI / 36, ZOOM = 1.1;  // a key press
 const KEYS = {
   ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, -TURN, 1], ArrowDown: [0, TURN, 1],
   "+": [0, 0, 1 / ZOOM], "=": [0, 0, 1 / ZOOM], "-": [0, 0, ZOOM], "_": [0, 0, ZOOM],
 };
+/** The buttons in a picture, by the key that does the same. */
+const TOOLS = {
+  f: {name: "follow", title: "Keep the robot in the middle", act: ({camera}) => camera.follow(), isOn: ({camera}) => camera.followed},
+  x: {name: "axes", title: "Show the frames: x red, y green, z blue", act: (picture) => picture.toggleAxes(), isOn: (picture) => picture.showsAxes},
+  r: {name: "reset", title: "Put the camera back, as a double-click does", act: ({camera}) => camera.reset()},
+};
+const HINT = "drag or arrow keys: turn · scroll or + −: zoom · F: follow · X: axes · R: reset · Esc: leave";
 const TAKEN = ["The browser has dropped this 3D view.", "It does so when a page has too many. Reload the page."];
 
 /** The state of meshcat's script, which all views of a page share. */
@@ -57,30 +64,12 @@ function withoutTrace(make) {
   }
 }
 
-/** Make the element for a picture, with its description for screen readers. */
+/** Make the element that a picture is in, within a frame. It has what a screen reader says of it. */
 function makePane(title) {
   return make("div", "tank-view-pane", {
     "role": "img", "tabindex": "0", "data-lm-suppress-shortcuts": "true", "aria-label": `${title}, in 3D`,
-    "aria-description": "The arrow keys turn it, plus and minus zoom, Escape leaves it.",
+    "aria-description": "The arrow keys turn it, plus and minus zoom, F follows the robot, X shows the frames' axes, R resets it, Escape leaves it.",
   });
-}
-
-/** While a pane has the focus, keys and the wheel are its own. getPicture: says what they turn, if it is there. */
-function listenToKeys(pane, getPicture) {
-  pane.addEventListener("pointerdown", () => pane.focus({preventScroll: true}));
-  pane.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    const picture = getPicture();
-    if (event.key === "Escape") pane.blur();
-    else if (KEYS[event.key] && picture) picture.turn(...KEYS[event.key]);
-    else return;
-    event.preventDefault();
-    event.stopPropagation();
-  });
-  // Who scrolls the page past the view goes on scrolling; who has clicked into it zooms.
-  pane.addEventListener("wheel", (event) => {
-    if (!pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
-  }, {capture: true, passive: true});
 }
 
 /** A meshcat viewer that draws only while it can be seen, and that can be disposed of. */
@@ -89,7 +78,8 @@ class Picture {
     let isSeen = true;
     const [[viewer, stop], forget] = withoutTrace(() => makeViewer(element, () => isSeen));
     this.viewer = viewer;
-    viewer.gui.domElement.remove();  // it is for developers, and covers a part of the picture
+    this.camera = new Camera(viewer);
+    viewer.gui.domElement.remove();  // it is for those who draw, and hides a part of the picture
     const canvas = viewer.renderer.domElement;
     canvas.addEventListener("webglcontextlost", onTaken);
     const unfit = fit(viewer, element);
@@ -98,7 +88,15 @@ class Picture {
       if (isSeen) viewer.set_dirty();
     });
     observer.observe(element);
+    const listening = new AbortController();
+    this.listen(element, listening.signal);
+    const hint = make("div", "tank-view-hint", {"aria-hidden": "true"}, HINT);
+    const tools = this.makeTools(element);
+    element.after(hint, tools);
     this.dispose = () => {
+      listening.abort();
+      hint.remove();
+      tools.remove();
       canvas.removeEventListener("webglcontextlost", onTaken);
       observer.disconnect();
       unfit();
@@ -112,15 +110,55 @@ class Picture {
     };
   }
 
-  /** Turn the camera about what it looks at [rad], and multiply its distance. */
-  turn(right, down, distance) {
-    const {camera, controls} = this.viewer;
-    const arm = camera.position.clone().sub(controls.target);
-    const angles = new MeshCat.THREE.Spherical().setFromVector3(arm);
-    angles.theta += right;
-    angles.phi = Math.max(0.05, Math.min(angles.phi + down, Math.PI - 0.05));
-    angles.radius = Math.max(0.1, Math.min(angles.radius * distance, 90));
-    camera.position.setFromSpherical(angles).add(controls.target);
+  /** While the pane has the focus, keys and the wheel are its own. */
+  listen(pane, signal) {
+    pane.addEventListener("pointerdown", () => pane.focus({preventScroll: true}), {signal});
+    pane.addEventListener("dblclick", () => this.use(TOOLS.r), {signal});
+    pane.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.altKey || event.metaKey) return;
+      const tool = TOOLS[event.key.toLowerCase()];
+      if (event.key === "Escape") pane.blur();
+      else if (KEYS[event.key]) this.camera.turn(...KEYS[event.key]);
+      else if (tool) this.use(tool);
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    }, {signal});
+    // Who scrolls the page past the view goes on scrolling; who has clicked into it zooms.
+    pane.addEventListener("wheel", (event) => {
+      if (!pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
+    }, {capture: true, passive: true, signal});
+  }
+
+  /** Make a button for each tool. A click leaves the keys to the pane. */
+  makeTools(pane) {
+    const bar = make("div", "tank-view-tools");
+    this.buttons = Object.entries(TOOLS).map(([key, tool]) => {
+      const title = `${tool.title} (${key.toUpperCase()})`;
+      const button = make("button", "", {type: "button", tabindex: "-1", title}, tool.name);
+      button.addEventListener("click", () => {
+        pane.focus({preventScroll: true});
+        this.use(tool);
+      });
+      bar.append(button);
+      return [button, tool];
+    });
+    return bar;
+  }
+
+  use(tool) {
+    tool.act(this);
+    for (const [button, {isOn}] of this.buttons) if (isOn) button.setAttribute("aria-pressed", String(Boolean(isOn(this))));
+  }
+
+  get showsAxes() {
+    return axesIn(this.viewer).some((path) => this.viewer.scene_tree.find(path).object.visible);
+  }
+
+  /** Hide the axes that are visible, or show all. */
+  toggleAxes() {
+    const isVisible = !this.showsAxes;
+    for (const path of axesIn(this.viewer)) this.viewer.set_property(path, "visible", isVisible);
     this.viewer.set_dirty();
   }
 }
