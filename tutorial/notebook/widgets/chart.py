@@ -11,14 +11,15 @@ from tutorial.notebook.widgets import svg
 
 Point = tuple[float, float]
 
-WIDTH, HEIGHT = 640, 240  # [px]
-LEFT, TOP, RIGHT, BOTTOM = 62, 30, 462, HEIGHT - 38  # [px] of the plot area
+WIDTH, HEIGHT = 560, 240  # [px]
+LEFT, TOP, RIGHT, BOTTOM = 54, 34, WIDTH - 12, HEIGHT - 38  # [px] of the plot area
+WIDEST = 800  # [px]; a plot grows with its cell up to this width
 MARGIN = 0.08  # above and below the curves, relative to their height
 MOST_CURVES = len(svg.SERIES)
 MOST_PIECES = 100  # per curve
 POINTS_DRAWN = 1200  # per curve
-LONGEST_NAME = 18  # characters in the legend
-ROW = 18  # [px] height of a line of the legend
+LONGEST_NAME = 16  # characters in the legend
+ROW, PER_ROW = 18, 4  # the legend's row height [px], and names in a row
 SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 
@@ -50,7 +51,7 @@ def draw_plot(
     low, high = min(heights), max(heights)
     air = max(MARGIN * (high - low), (least - (high - low)) / 2) or 0.5
     axes = _Axes(x_range, (low - air, high + air))
-    root = svg.new_picture(WIDTH, HEIGHT)
+    root = svg.new_picture(WIDTH, HEIGHT + ROW * math.ceil((len(curves) + bool(more)) / PER_ROW), WIDEST)
     axes.draw(root, labels)
     for curve, colour in zip(curves.values(), svg.SERIES):
         axes.draw_curve(root, curve.points, colour)
@@ -114,15 +115,17 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
 
 
 def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
-    """Name the curves, to their right, with their values as tooltips."""
-    x = RIGHT + 16
-    for i, (name, curve) in enumerate(curves.items()):
-        y = TOP + 6 + i * ROW
-        svg.draw(root, "line", f"stroke:{svg.SERIES[i]};stroke-width:3", x1=x, y1=y, x2=x + 14, y2=y)
+    """Name the curves below the plot, with their values as tooltips."""
+    places = (
+        (LEFT + i % PER_ROW * (RIGHT - LEFT) / PER_ROW, HEIGHT + i // PER_ROW * ROW) for i in range(MOST_CURVES + 1)
+    )
+    for (name, curve), colour, (x, y) in zip(curves.items(), svg.SERIES, places):
+        svg.draw(root, "line", f"stroke:{colour};stroke-width:3", x1=x, y1=y, x2=x + 14, y2=y)
         text = svg.write(root, x + 20, y + 4, svg.shorten(name, LONGEST_NAME))
         svg.draw(text, "title").text = f"{name}: {curve.value}"
     if more:
-        svg.write(root, x + 20, TOP + 10 + len(curves) * ROW, f"and {more} more", f"fill:{svg.MUTED}")
+        x, y = next(places)
+        svg.write(root, x + 20, y + 4, f"and {more} more", f"fill:{svg.MUTED}")
 
 
 def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:

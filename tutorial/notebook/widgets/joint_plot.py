@@ -12,7 +12,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from tutorial.notebook.widgets import svg
-from tutorial.notebook.widgets.chart import HEIGHT, MOST_CURVES, WIDTH, Curve, draw_plot
+from tutorial.notebook.widgets.chart import HEIGHT, MOST_CURVES, WIDEST, WIDTH, Curve, draw_plot
 from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
@@ -95,7 +95,7 @@ def _picture(topic: str, samples: Iterable[_Sample]) -> tuple[str, str]:
     curves = {name: curve for name in names[:MOST_CURVES] if (curve := _curve(shown, name))}
     if not curves:
         text = f"no message on {svg.shorten(topic, 60)} yet" if not shown else f"no positions on {topic}"
-        return svg.notice(WIDTH, HEIGHT, text), text
+        return svg.notice(WIDTH, HEIGHT, text, WIDEST), text
     begin = max(end - SECONDS, min(end, 0.0))
     x_range = begin, begin + SECONDS
     drawn = draw_plot(curves, x_range, ("stamp [s]", "[rad]"), LEAST_SPAN, len(names) - len(curves))

@@ -19,28 +19,31 @@ UI_FONT = "var(--jp-ui-font-family, system-ui, sans-serif)"
 CODE_FONT = "var(--jp-code-font-family, ui-monospace, monospace)"
 
 
-def new_picture(width: float, height: float) -> Element:
+def new_picture(width: float, height: float, widest: float = 0.0) -> Element:
     """Make an empty picture that is at most as wide as its cell.
 
     Args:
         width: [px].
         height: [px].
+        widest: the picture grows with its cell up to this width [px]; 0 for one that doesn't grow.
     """
     root = Element("svg", xmlns="http://www.w3.org/2000/svg", viewBox=f"0 0 {_number(width)} {_number(height)}")
     root.set("width", _number(width))
-    root.set("style", f"max-width:100%;height:auto;background:{PAPER};font-family:{UI_FONT};font-size:12px")
+    size = f"width:100%;max-width:{_number(widest)}px" if widest else "max-width:100%"
+    root.set("style", f"{size};height:auto;background:{PAPER};font-family:{UI_FONT};font-size:12px")
     return root
 
 
-def notice(width: float, height: float, text: str) -> str:
+def notice(width: float, height: float, text: str, widest: float = 0.0) -> str:
     """Return a picture that contains only a centred line of text.
 
     Args:
         width: [px].
         height: [px].
         text: the text, of any characters.
+        widest: see `new_picture`.
     """
-    root = new_picture(width, height)
+    root = new_picture(width, height, widest)
     write(root, width / 2, height / 2 + 4, text, f"fill:{MUTED};font-size:14px", "middle")
     return to_text(root)
 
