@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from ipywidgets import HTML, Button, FloatSlider, GridBox, Layout, VBox
+from ipywidgets import HTML, Button, FloatSlider, HBox, Layout, VBox
 
 from tutorial.notebook.widgets.cell_widget import kernel_loop
 from tutorial.ros.chaos import FAULTS, Chaos
 from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
 
-WIDTH = "22em"
+HEIGHT = "23em"  # the list of faults scrolls, so that the panel is as high as the view beside it
 LOOK = 0.5  # [s] between two updates of the counts
 
 
@@ -34,12 +34,12 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         self.sliders = {name: _slider(name, what) for name, what in FAULTS.items()}
         for slider in self.sliders.values():
             slider.observe(self._on_share, "value")
-        self._reset = Button(description="no faults", tooltip="Set all sliders to 0")
+        self._reset = Button(description="No faults", tooltip="Set all sliders to 0")
         self._reset.on_click(self._on_reset)
-        self._hits = HTML(layout=Layout(width=WIDTH))  # unlike a Label, it wraps long lines
-        columns = f"repeat(auto-fill, {WIDTH})"
-        grid = GridBox([*self.sliders.values()], layout=Layout(grid_template_columns=columns))
-        super().__init__([grid, self._reset, self._hits])
+        self._hits = HTML()  # unlike a Label, it wraps long lines
+        rows = [_row(slider, FAULTS[name]) for name, slider in self.sliders.items()]
+        faults = VBox(rows, layout=Layout(height=HEIGHT, overflow="hidden auto", display="block"))
+        super().__init__([HTML("Share of the messages that each fault hits:"), faults, self._reset, self._hits])
         self._next = self._loop.call_soon(self._tell)
 
     def __repr__(self) -> str:
@@ -76,8 +76,14 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
 
 def _slider(name: str, what: str) -> Any:
-    layout = Layout(width=WIDTH)
-    return FloatSlider(max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", layout=layout)
+    style = {"description_width": "5.5em"}
+    return FloatSlider(max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", style=style)
+
+
+def _row(slider: Any, what: str) -> HBox:
+    """Put what a fault does beside its slider, or below it where there is no room."""
+    slider.layout.width = "20em"
+    return HBox([slider, HTML(what, layout=Layout(flex="1 1 14em"))], layout=Layout(flex_flow="row wrap"))
 
 
 def _words(made: dict[str, int]) -> str:
