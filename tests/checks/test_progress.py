@@ -99,7 +99,9 @@ def test_the_overview_lists_every_exercise_once(folder):
     assert [row.split()[-4:] for row in rows if "solved" in row] == [["aim", "solved", "on", "2026-01-02"]]
     assert last == f"1 of {len(names)} exercises are solved."
     page = Overview(exercise_names())._repr_html_()
-    assert (page.count("<tr>"), page.count("✓")) == (len(names), 1)
+    assert [page.count(mark) for mark in ("<tr>", "✓", "○")] == [len(exercise_names()), 1, len(names) - 1]
+    assert f'<progress max="{len(names)}" value="1"' in page
+    assert 'title="solved on 2026-01-02"' in page
 
 
 def test_empty_overview(folder):

@@ -71,28 +71,44 @@ class Overview:
     """
 
     def __init__(self, exercises: Mapping[str, Sequence[str]], folder: Path | None = None) -> None:
-        solved, problem = read_progress(folder)
-        names = [(notebook * (i == 0), name) for notebook, own in exercises.items() for i, name in enumerate(own)]
-        self._rows = [
-            (notebook, name, f"solved on {solved[name]}" if name in solved else "not yet") for notebook, name in names
-        ]
-        count = sum(name in solved for _, name in names)
+        self._solved, problem = read_progress(folder)
+        self._exercises = exercises
+        names = [name for own in exercises.values() for name in own]
+        self._most = len(names)
+        self._count = sum(name in self._solved for name in names)
         exercises_are = "exercises are" if len(names) != 1 else "exercise is"
-        self._last_lines = [f"{count} of {len(names)} {exercises_are} solved.", *filter(None, [problem])]
+        self._last_lines = [f"{self._count} of {len(names)} {exercises_are} solved.", *filter(None, [problem])]
 
     def __repr__(self) -> str:
-        widths = [max((len(row[i]) for row in self._rows), default=0) for i in (0, 1)]
-        lines = [f"{notebook:{widths[0]}}  {name:{widths[1]}}  {state}" for notebook, name, state in self._rows]
+        rows = [
+            (notebook * (i == 0), name, self._state(name))
+            for notebook, own in self._exercises.items()
+            for i, name in enumerate(own)
+        ]
+        widths = [max((len(row[i]) for row in rows), default=0) for i in (0, 1)]
+        lines = [f"{notebook:{widths[0]}}  {name:{widths[1]}}  {state}" for notebook, name, state in rows]
         return "\n".join([*lines, *self._last_lines])
 
     def _repr_html_(self) -> str:
+        rows = "".join(self._row(notebook, own) for notebook, own in self._exercises.items() if own)
+        bar = f'<progress max="{self._most or 1}" value="{self._count}" style="width: 16em"></progress>'
+        return f"<p>{bar} {'<br>'.join(map(escape, self._last_lines))}</p><table>{rows}</table>"
+
+    def _row(self, notebook: str, names: Sequence[str]) -> str:
+        """Write one notebook's row: a link to it, and its exercises."""
+        link = f'<a href="{escape(notebook)}.ipynb">{escape(notebook)}</a>'
         cell = '<td style="text-align: left">'
-        rows = "".join(
-            f"<tr>{cell}{escape(notebook)}</td>{cell}<code>{escape(name)}</code></td>"
-            f"{cell}{'✓ ' * (state != 'not yet')}{escape(state)}</td></tr>"
-            for notebook, name, state in self._rows
+        return f"<tr>{cell}{link}</td>{cell}{' &nbsp; '.join(map(self._exercise, names))}</td></tr>"
+
+    def _exercise(self, name: str) -> str:
+        mark, opacity = ("✓", 1) if name in self._solved else ("○", 0.65)
+        return (
+            f'<span title="{escape(self._state(name))}" style="opacity: {opacity}; white-space: nowrap">'
+            f"{mark} <code>{escape(name)}</code></span>"
         )
-        return f"<table>{rows}</table>{'<br>'.join(map(escape, self._last_lines))}"
+
+    def _state(self, name: str) -> str:
+        return f"solved on {self._solved[name]}" if name in self._solved else "not yet"
 
 
 def _file(folder: Path) -> Path:
