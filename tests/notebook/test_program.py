@@ -13,7 +13,7 @@ import pytest
 from kernels import kernel
 from programs import marked
 from programs import until as wait_until
-from scenes import lines
+from scenes import commands, lines
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
@@ -48,6 +48,31 @@ async def test_a_program_is_opened_run_drawn_and_closed():
     close_all()
     assert {thread.name for thread in threading.enumerate()} <= before
     assert repr(program) == "Program('simulation', closed)"
+
+
+def shown_frames(program):
+    """Return the frames whose axes a newly opened page shows."""
+    every = commands(program.view.scene.snapshot())
+    return [
+        each["path"].rpartition("/")[2]
+        for each in every
+        if each.get("property") == "visible" and "frames" in each["path"] and each["value"]
+    ]
+
+
+async def test_frames_are_shown_and_hidden():
+    program = open_program("step7", node="simulation")
+    assert shown_frames(program) == []
+    program.show_frames("Tank/base_link")
+    assert shown_frames(program) == ["Tank.base_link"]
+    program.show_frames()
+    names = ["odom", "Tank.base_link", "Tank.TURRET_Y_link", "Tank.TURRET_P_link", "Tank.CAMERA_optical"]
+    assert shown_frames(program) == names
+    program.hide_frames()
+    assert shown_frames(program) == []
+    program.close()
+    with pytest.raises(TutorialError, match="closed"):
+        program.show_frames()
 
 
 async def test_a_new_start_forgets_the_last_error():

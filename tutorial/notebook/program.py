@@ -188,13 +188,19 @@ class Program:
             names: such as ``"odom"`` and ``"Tank/base_link"``; without any, all.
 
         Raises:
-            TutorialError: there is no such frame; the text lists them.
+            TutorialError: there is no such frame, or the program was closed.
         """
+        self._check_open()
         self._drawing.show_frames(*(names or self._drawing.frame_names))
         self._drawing.flush()
 
     def hide_frames(self) -> None:
-        """Draw no frames' axes."""
+        """Draw no axes of frames.
+
+        Raises:
+            TutorialError: the program was closed.
+        """
+        self._check_open()
         self._drawing.show_frames()
         self._drawing.flush()
 
