@@ -14,6 +14,7 @@ from tutorial.controllers.camera_publisher import image
 from tutorial.joints import match_joints
 from tutorial.notebook.desk import keep
 from tutorial.notebook.widgets.image_view import ImageView
+from tutorial.notebook.widgets.joystick import Joystick
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.notebook.widgets.svg import INK, draw, new_picture, to_text
@@ -122,6 +123,18 @@ async def test_camera_images_are_drawn_until_the_end_is_shown(domain, sent):
         assert (x / picture.shape[1], y / picture.shape[0]) == pytest.approx((45 / 60, 15 / 40), abs=0.03)
         await page.evaluate("model.set('ended', true)")
         await page.get_by_text("closed: this is its last picture").wait_for()
+
+
+async def test_sticks_shrink_side_by_side():
+    async with open_browser(chromium(), width=400) as page:
+        await page.add_style_tag(content=Joystick._css)
+        await page.evaluate(SHOW, {"script": Joystick._esm, "traits": {"ended": False}})
+        for width, size in ((400, 148), (180, 60)):
+            await page.set_viewport_size({"width": width, "height": 600})
+            left, right = [await page.locator(".tank-stick-pad").nth(i).bounding_box() for i in range(2)]
+            assert left["y"] == right["y"]
+            assert left["width"] == left["height"] == pytest.approx(size, abs=10)
+            assert await page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def scene_of(name: str) -> Scene:

@@ -3,10 +3,12 @@
 import gzip
 
 import pytest
+from ipywidgets import HTML
 from scenes import lines, raised_elsewhere
 
 from tutorial.errors import WrongThreadError
 from tutorial.notebook.widgets.scene_view import SceneView
+from tutorial.notebook.widgets.side_by_side import SideBySide
 from tutorial.view.scene import Record, Scene, unpack_records
 
 from .pages import say, settle
@@ -78,3 +80,11 @@ async def test_closing_detaches_it_on_the_scenes_thread(scene, sent):
     show(scene, "nobody looks")
     await say(widget, "hello")
     assert (sent, scene._sinks) == ([], [])
+
+
+async def test_beside_a_view_others_shrink_and_views_alone_wrap(scene):
+    view, other, second = SceneView(scene), HTML(), SceneView(scene)
+    row = SideBySide(view, other)
+    assert row.layout.flex_flow == "row nowrap"
+    assert (view.layout.min_width, other.layout.min_width) == ("55%", "0")
+    assert SideBySide(view, second).layout.flex_flow == "row wrap"
