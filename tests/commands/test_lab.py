@@ -85,6 +85,7 @@ def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(p
     running.asks_to_stop()
     assert running.ends() == 0
     assert [line for line in running.lines[said:] if not line.startswith("[IPKernelApp]")] == []
+    assert "without encryption" not in running.output  # of which each kernel would warn
     running.leaves_nothing()
 
 
@@ -96,6 +97,7 @@ def test_jupyterlabs_arguments(tmp_path, monkeypatch):
     assert told[-1] == "--no-browser"  # the user's arguments come last
     assert {"--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={tmp_path}", "--ServerApp.allow_origin_pat="} < {*told}
     assert {"--ServerApp.use_redirect_file=True", "--ServerApp.max_body_size=64000000"} < {*told}
+    assert {"--LabApp.news_url=None", "--KernelManager.transport_encryption=auto"} < {*told}
     monkeypatch.setenv("WSL_DISTRO_NAME", "Ubuntu")  # where the browser cannot open this machine's files
     assert "--ServerApp.use_redirect_file=False" in lab_command()
 
