@@ -182,12 +182,25 @@ async def edit_and_err(page, visitor):
     await page.keyboard.down("KeyW")
     await visitor.says(f"tank_controller.py, line {line}, in dead_zone: ZeroDivisionError: division by zero")
     await page.keyboard.up("KeyW")
+    assert (await page.locator(".drive-wrong").text_content()).strip().startswith("return 1 / 0 if")
     await visitor.edit("return 1 / 0 if", "while True: pass\n    return axis if")
     await visitor.says("Is there a loop that never ends?")
     await visitor.edit("P_GAIN = 2000.0", "while True: pass")
     await visitor.says("Is there a loop that never ends?")
     await page.get_by_role("button", name="Original").click()
     await page.locator(".drive-error").wait_for(state="hidden")
+
+
+COPY_IS_THE_TEXT = """() => {
+    const [copy, text] = [".drive-copy", ".drive-text"].map((name) => document.querySelector(name));
+    return copy.textContent === `${text.value}\\n` && copy.scrollHeight === text.scrollHeight;
+}"""
+
+
+async def see_what_one_edits(page):
+    """What is seen of the code is what is edited, in colours, with long lines broken in the same places."""
+    assert await page.evaluate(COPY_IS_THE_TEXT)
+    assert await page.locator(".drive-keyword", has_text="class").is_visible()
 
 
 async def drive_on_a_phone(page):
@@ -219,6 +232,7 @@ def test_the_tank_drives_in_a_browser(site):
             await page.get_by_role("button", name="Start").click()
             await page.wait_for_function("drive.drive.isReady", timeout=200_000)
             await drive_and_be_followed(page, visitor)
+            await see_what_one_edits(page)
             await edit_and_err(page, visitor)
             await drive_on_a_phone(page)
             assert {urlsplit(url).netloc for url in witness.requests if not url.startswith(("blob:", "data:"))} == {
