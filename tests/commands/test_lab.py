@@ -67,6 +67,7 @@ def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(p
     address = ADDRESS.search(running.output)[0]
     with answer(address) as page:
         assert page.url == address  # not the page that asks for the token
+        assert b'"news": {"disabled": true}' in page.read()  # no question about news
     assert shutil.which("tank", path=psutil.Process(running.process.pid).environ()["PATH"])  # for its terminals
     for path in NOTEBOOKS.glob("*.ipynb"):
         assert is_trusted(path, folders["JUPYTER_DATA_DIR"]), path

@@ -56,7 +56,7 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
         yield Frame(_full(name, f"{link}_link" if link in names else link), body, np.eye(4), (0.0, 0.0, 1.1 + 0.2 * i))
     for camera in map(model.camera, range(model.ncam)):
         optical = pose(camera.pos, camera.quat) @ OPTICAL
-        yield Frame(_full(name, f"{camera.name}_optical"), int(camera.bodyid[0]), optical, (0.0, 1.1, 0.0))
+        yield Frame(_full(name, f"{camera.name}_optical"), int(camera.bodyid[0]), optical, (0.0, 1.7, 0.0))
 
 
 def _full(robot: str, name: str) -> str:
