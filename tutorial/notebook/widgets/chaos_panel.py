@@ -37,7 +37,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         self._reset = Button(description="No faults", tooltip="Set all sliders to 0")
         self._reset.on_click(self._on_reset)
         self._hits = HTML()  # unlike a Label, it wraps long lines
-        rows = [_row(slider, FAULTS[name]) for name, slider in self.sliders.items()]
+        rows = [_row(*each) for each in self.sliders.items()]
         faults = VBox(rows, layout=Layout(height=HEIGHT, overflow="hidden auto", display="block"))
         super().__init__([HTML("Share of the messages that each fault hits:"), faults, self._reset, self._hits])
         self._next = self._loop.call_soon(self._tell)
@@ -76,14 +76,14 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
 
 def _slider(name: str, what: str) -> Any:
-    style = {"description_width": "5.5em"}
-    return FloatSlider(max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", style=style)
+    layout = Layout(width="min(14em, 100%)")
+    return FloatSlider(max=1.0, step=0.05, tooltip=f"{name}: {what}", readout_format=".0%", layout=layout)
 
 
-def _row(slider: Any, what: str) -> HBox:
-    """Put what a fault does beside its slider, or below it where there is no room."""
-    slider.layout.width = "20em"
-    return HBox([slider, HTML(what, layout=Layout(flex="1 1 14em"))], layout=Layout(flex_flow="row wrap"))
+def _row(name: str, slider: Any) -> HBox:
+    """Put a fault's name and what it does beside its slider, or below it where there is no room."""
+    text = HTML(f"<b>{name}</b>: {FAULTS[name]}", layout=Layout(flex="1 1 14em"))
+    return HBox([slider, text], layout=Layout(flex_flow="row wrap"))
 
 
 def _words(made: dict[str, int]) -> str:
