@@ -195,7 +195,7 @@ class Program:
         self._drawing.flush()
 
     def hide_frames(self) -> None:
-        """Draw no axes of frames.
+        """Hide the axes of all frames.
 
         Raises:
             TutorialError: the program was closed.
