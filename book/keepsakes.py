@@ -9,6 +9,7 @@ import html
 import re
 import struct
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ LONGEST_PAUSE = 1.0  # [s] in a replay
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
 BESIDE = "<p><em>In the notebook, there is {} beside it.</em></p>"
-BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick", "SceneView": "another view"}
+BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick"}
 
 
 def keep(folder: Path) -> None:
@@ -39,23 +40,20 @@ def keep(folder: Path) -> None:
     kept = _Kept(folder)
     _after(Program, "__init__", kept.know)
     _before(SceneView, "end", kept.stop)
-    for kind in (SceneView, Picture, SideBySide):
+    for kind in (SceneView, Picture, ImageView, SideBySide):
         _before(kind, "_repr_mimebundle_", kept.show)
-    _before(ImageView, "_repr_mimebundle_", kept.show_images)
     get_ipython().events.register("post_run_cell", lambda _: kept.draw())
 
 
 class _Kept:
-    """The displayed widgets, by number."""
+    """The displayed widgets, by number and, in a row, by place."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._count = 0
+        self._parts: list[list[str]] = []  # of each number
         self._programs: dict[Any, Any] = {}
-        self._running: dict[Any, tuple[int, Any, str]] = {}
-        self._pictures: dict[int, Any] = {}
-        self._drawn: dict[int, int] = {}
-        self._image_views: dict[int, Any] = {}
+        self._running: dict[Any, tuple[list[str], int, Any]] = {}
+        self._drawn: list[tuple[list[str], int, Any]] = []
 
     def know(self, program: Any) -> None:
         """Remember a program by its view."""
@@ -63,46 +61,67 @@ class _Kept:
 
     def show(self, widget: Any) -> None:
         """Start to save a displayed widget; if the same view was displayed before, finish that recording."""
-        self._count += 1
-        view, end = widget, ""
-        if hasattr(widget, "children"):
-            view, other = widget.children
-            end = BESIDE.format(BESIDES[type(other).__name__])
-        if view not in self._programs:
-            self._pictures[self._count] = view
-            return
+        shown = list(_leaves(widget))
+        parts = [""] * len(shown)
+        self._parts.append(parts)
+        for place, each in enumerate(shown):
+            if each in self._programs:
+                self._record(each, parts, place)
+            elif hasattr(each, "svg") or hasattr(each, "newest"):
+                self._drawn.append((parts, place, each))
+            else:
+                parts[place] = BESIDE.format(BESIDES[type(each).__name__])
+
+    def _record(self, view: Any, parts: list[str], place: int) -> None:
         from tutorial.view.replay import ReplayRecorder  # noqa: PLC0415
 
         self.stop(view)
         host = self._programs[view].host
         recorder = ReplayRecorder(view.scene, host.shown_at, host.joint_positions, LONGEST_PAUSE)
-        self._running[view] = self._count, recorder, end
-
-    def show_images(self, view: Any) -> None:
-        """Start to save the newest image on a topic."""
-        self._count += 1
-        self._image_views[self._count] = view
+        self._running[view] = parts, place, recorder
 
     def stop(self, view: Any) -> None:
         """Write the replay of a view, and stop recording it."""
         if view in self._running:
-            number, recorder, end = self._running.pop(view)
-            self._write(number, recorder.stop().figure(view.title) + end)
+            parts, place, recorder = self._running.pop(view)
+            parts[place] = recorder.stop().figure(view.title)
+            self._write()
 
     def draw(self) -> None:
         """Write the pictures that have grown since the last time, and the newest images."""
-        for number, picture in self._pictures.items():
-            if len(picture.svg) > self._drawn.get(number, 0):
-                self._drawn[number] = len(picture.svg)
-                self._write(number, PICTURE.format(alt=html.escape(picture.alt), svg=picture.svg))
-        for number, view in self._image_views.items():
-            pixels, fields = view.newest
-            if pixels:
-                image = base64.b64encode(png(pixels, fields["width"], fields["height"])).decode()
-                self._write(number, IMAGE.format(alt=html.escape(f"what came on {view.title}"), image=image))
+        for parts, place, widget in self._drawn:
+            if hasattr(widget, "newest"):
+                parts[place] = _image(widget) or parts[place]
+            elif len(picture := _picture(widget)) > len(parts[place]):
+                parts[place] = picture
+        self._write()
 
-    def _write(self, number: int, text: str) -> None:
-        (self._folder / f"{number}.html").write_text(text + "\n", encoding="utf-8")
+    def _write(self) -> None:
+        for number, parts in enumerate(self._parts, 1):
+            if any(parts):
+                (self._folder / f"{number}.html").write_text("".join(parts) + "\n", encoding="utf-8")
+
+
+def _leaves(widget: Any) -> Iterator[Any]:
+    """Yield the widgets of a row, or the widget itself."""
+    if hasattr(widget, "children"):
+        for child in widget.children:
+            yield from _leaves(child)
+    else:
+        yield widget
+
+
+def _picture(picture: Any) -> str:
+    return PICTURE.format(alt=html.escape(picture.alt), svg=picture.svg) if picture.svg else ""
+
+
+def _image(view: Any) -> str:
+    """The newest picture of a topic, if there is one."""
+    pixels, fields = view.newest
+    if not pixels:
+        return ""
+    image = base64.b64encode(png(pixels, fields["width"], fields["height"])).decode()
+    return IMAGE.format(alt=html.escape(f"what came on {view.title}"), image=image)
 
 
 def _before(kind: type, name: str, call: Any) -> None:
