@@ -80,7 +80,7 @@ def test_the_tank_is_the_originals():
     np.testing.assert_allclose(model.joint("TURRET_P").axis, (0, -1, 0))
     np.testing.assert_allclose(np.degrees(model.joint("TURRET_Y").range), (-360, 360))
     np.testing.assert_allclose(np.degrees(model.joint("TURRET_P").range), (-10, 45))
-    assert [model.actuator(i).name for i in range(model.nu)] == ["TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"]
+    assert [model.actuator(i).name for i in range(model.nu)] == ["TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P", "RECOIL"]
     assert [model.tendon(i).name for i in range(model.ntendon)] == ["TRACK_L", "TRACK_R"]
     assert [model.sensor(i).name for i in range(model.nsensor)] == ["ACCEL_SENSOR", "GYRO"]
     assert [model.camera(i).name for i in range(model.ncam)] == ["CAMERA"]
@@ -202,3 +202,24 @@ def test_the_crane_keeps_its_pose_and_obeys_its_motors():
         before = data.joint(f"Crane/{name}").qpos[0]
         mujoco.mj_step(model, data, 500)
         assert data.joint(f"Crane/{name}").qpos[0] > before + 0.01
+
+
+# ---------------------------------------------------------------------------------------------------- a shot
+
+
+@pytest.mark.parametrize("yaw_deg", [0, 90])
+def test_a_shot_jolts_the_tank_away_from_its_barrel_and_it_comes_to_rest_upright(yaw_deg):
+    drive = Drive()
+    drive.controller.joy.put(Joy(axes=[0.0, 0.0, -1.0, 0.0]))
+    drive.advance(math.radians(yaw_deg) / 2 + 0.001)  # the stick turns the turret by 2 rad/s
+    drive.drive(2)
+    before, recoil = drive.position, drive.bodies["Tank"].actuator("RECOIL")
+    recoil.ctrl = 40_000.0
+    drive.advance(0.001)
+    recoil.ctrl = 0.0
+    drive.drive(2)
+    back = drive.position - before
+    yaw = -drive.turret[0].position
+    assert 0.05 < -(back[0] * math.cos(yaw) + back[1] * math.sin(yaw)) < 0.3
+    assert drive.steepest < math.radians(20)
+    assert drive.chassis.xmat[8] > math.cos(LEVEL)
