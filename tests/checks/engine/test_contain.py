@@ -89,6 +89,7 @@ def test_whatever_it_does_is_contained_and_explained(answer, what, where, why):
 
 
 NOTEBOOK = """
+import asyncio
 import threading
 from sensor_msgs.msg import Joy
 from tutorial.checks.drive import GentleTank
@@ -130,6 +131,13 @@ UsesAClosure = make()
 
 class Keeps(GentleTank):
     scene = scene
+
+loop = asyncio.new_event_loop()
+loop.close()
+
+class UsesTheLoop(GentleTank):
+    def on_joy(self, message):
+        loop.call_later(0.5, self.joy.put, message)
 """
 
 
@@ -152,6 +160,12 @@ def test_what_belongs_to_the_notebook_is_named(name, used, kind):
     said = said_about(of_the_notebook(name))
     assert f"✗ {name} uses {used}, an object of the class {kind}, that belongs to the notebook" in said
     assert "let it take what it needs from config, io or its arguments" in said
+
+
+def test_the_notebooks_event_loop_is_replaced_by_the_running_one():
+    said = said_about(of_the_notebook("UsesTheLoop"))
+    assert "✗ UsesTheLoop uses loop, " in said
+    assert "write asyncio.get_running_loop() instead" in said
 
 
 @pytest.mark.process

@@ -25,6 +25,7 @@ LIMIT = 120.0  # [s] for a whole check; the watchdog ends what takes long far ea
 OUTPUT_KEPT = 20_000  # bytes
 REST = 1.0  # [s] for reading what was printed, if a process that the answer has started still holds the pipe
 CLINGS = "The answer runs in a process of its own: let it take what it needs from config, io or its arguments."
+OWN_LOOP = "The answer runs in a process with its own event loop: write asyncio.get_running_loop() instead."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
 
 
@@ -130,5 +131,5 @@ def _clinging(answer: Any, error: Exception) -> Finding:
         except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
             own, kind = name.rpartition(".")[2], type(value).__name__
             text = f"{answer.__name__} uses {own}, an object of the class {kind}, that belongs to the notebook"
-            return wrong(text, CLINGS)
+            return wrong(text, OWN_LOOP if isinstance(value, asyncio.AbstractEventLoop) else CLINGS)
     return wrong(f"the answer cannot be run in a process of its own: {error}", CLINGS)
