@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 LONGEST_NAME = 255
-"""Maximum length of a name in ROS 2 [characters]."""
+"""Maximum length of a node name in ROS 2 [characters]; a topic name has at most 8 fewer."""
 
 EVERY_NODE_HAS = ("/rosout", "/parameter_events")
 """Topics that exist wherever there is a node."""
