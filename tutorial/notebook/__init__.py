@@ -4,6 +4,8 @@ Opening something closes its predecessor of the same name, so any cell can be ru
 Call these functions on the kernel's main thread.
 """
 
+from collections.abc import Sequence
+
 from ipywidgets import Widget
 
 from tutorial.checks.catalogue import exercise_names
@@ -15,6 +17,7 @@ from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
+from tutorial.notebook.widgets.column import Column
 from tutorial.notebook.widgets.image_view import ImageView
 from tutorial.notebook.widgets.joint_plot import JointPlot
 from tutorial.notebook.widgets.joystick import Joystick
@@ -122,12 +125,13 @@ def node_graph() -> NodeGraph:
     return keep("node graph", NodeGraph, NodeGraph.end)
 
 
-def side_by_side(*widgets: Widget) -> SideBySide:
-    """Show widgets in a row, or in a column on a narrow page.
+def side_by_side(*widgets: Widget | Sequence[Widget]) -> SideBySide:
+    """Show widgets in a row. On a narrow page, 3D views are shown one below the other.
 
-    3D views share the width that the other widgets leave free.
+    Args:
+        widgets: the widgets to show; a list of widgets is shown as a column.
     """
-    return SideBySide(*widgets)
+    return SideBySide(*(widget if isinstance(widget, Widget) else Column(widget) for widget in widgets))
 
 
 def progress(step: int | None = None) -> Overview:
