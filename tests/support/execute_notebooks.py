@@ -46,6 +46,8 @@ def execute(path: Path) -> None:
         ).execute()
     for output in (output for cell in notebook.cells for output in cell.get("outputs", ())):
         output.get("data", {}).pop(WIDGET, None)
+        if "text" in output:
+            output["text"] = output["text"].replace(sys.prefix, "/path/to/.venv")  # of this machine
     notebook.metadata.language_info = {"name": "python"}
     nbformat.write(notebook, path)
     print(f"{path.name}: saved" + " " * 10)
