@@ -1,9 +1,10 @@
-"""The notebooks in JupyterLab in a browser, run from the top to the end."""
+"""The notebooks in JupyterLab in a browser, from the first cell to the last, by Shift+Enter."""
 
 import pytest
 from browser import AS_WITHOUT
 from desk import lab_desk
 from lab import copy_files
+from screen import Learner
 
 from tutorial.commands.lab import trust
 from tutorial.system.paths import HOME
@@ -16,19 +17,31 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
     folder = tmp_path_factory.mktemp("desk")
-    with lab_desk(folder, "/user/ada/", width=640, height=480, arguments=AS_WITHOUT, scale=0.25) as desk:
+    with lab_desk(folder, "/user/ada/", width=1280, height=720, arguments=AS_WITHOUT, scale=0.25) as desk:
         copy_files(desk.lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
         trust(desk.lab.notebooks / "notebooks", data_dir=str(folder / "data"))
         yield desk
 
 
-@pytest.mark.parametrize("name", [path.name for path in LONGEST_FIRST])
-def test_all_cells_run_without_an_error_or_a_warning(desk, name):
+@pytest.mark.parametrize("path", LONGEST_FIRST, ids=lambda path: path.name)
+def test_shift_enter_runs_every_cell_with_its_effect_on_the_screen(desk, path):
+    """Two rules decide which effects a learner looks at, and neither needs a mark in the notebook.
+
+    If something moves in a 3D view, the view has to be on the screen while the cell runs, and when it is done. If a
+    *What you should see* describes the output of a cell above it, the output and the description have to fit on one
+    screen. It describes the nearest cell above that shows something, back to the previous *What you should see* or a
+    heading.
+    """
+
     async def main():
-        notebook = await desk.lab.open(desk.page, f"notebooks/{name}")
-        await notebook.run_all()
+        notebook = await desk.lab.open(desk.page, f"notebooks/{path.name}")
+        learner = Learner(notebook, path)
+        await notebook.go_to_the_top()
+        for number in range(await notebook.count()):
+            await learner.run_cell(number)
         assert await notebook.errors() == []
         assert desk.witness.complaints == []
+        assert learner.missed == []
         await notebook.close()
 
     desk.run(main())

@@ -89,6 +89,11 @@ class Notebook:
 
         await until(answers, "the notebook's kernel answers")
 
+    async def go_to_the_top(self) -> None:
+        """Choose the first cell, as a click beside it does; keys then mean the notebook's commands."""
+        await self._choose(0)
+        await self._do("content.activate()")
+
     async def run_all(self) -> None:
         """Run all cells, and wait until they are done."""
         await self._command("notebook:run-all-cells")
