@@ -66,7 +66,7 @@ nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install
 nbval: install ## only the notebooks: run them from the top and compare their outputs
 	$(PYTEST) notebooks $(PYTEST_ARGS)
 
-notebooks: install ## run the notebooks and save their outputs; then review the git diff
+notebooks: install ## run the notebooks and save their outputs and pictures; then review the git diff
 	$(BIN)/python tests/support/execute_notebooks.py
 
 steps: install ## write the tables of steps in the README and the book

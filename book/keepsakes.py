@@ -18,6 +18,7 @@ WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageVie
 """Matches the beginning of a saved widget's text output."""
 
 LONGEST_PAUSE = 1.0  # [s] in a replay
+MOVED = 0.1  # [rad]; joints that have moved less look the same
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
 BESIDE = "<p><em>In the notebook, there is {} beside it.</em></p>"
@@ -53,6 +54,7 @@ class _Kept:
         self._parts: list[list[str]] = []  # of each number
         self._programs: dict[Any, Any] = {}
         self._running: dict[Any, tuple[list[str], int, Any]] = {}
+        self._telling: dict[Any, float] = {}
         self._drawn: list[tuple[list[str], int, Any]] = []
 
     def know(self, program: Any) -> None:
@@ -84,11 +86,18 @@ class _Kept:
         """Write the replay of a view, and stop recording it."""
         if view in self._running:
             parts, place, recorder = self._running.pop(view)
-            parts[place] = recorder.stop().figure(view.title)
+            figure = recorder.stop().figure(view.title)
+            if recorder in self._telling:
+                figure = figure.replace("<figure", f'<figure data-at="{self._telling.pop(recorder):.3f}"', 1)
+            parts[place] = figure
             self._write()
 
     def draw(self) -> None:
-        """Write the pictures that have grown since the last time, and the newest images."""
+        """Choose the frames that show the effect of the last cell, and write the pictures that have grown."""
+        for view, (_, _, recorder) in list(self._running.items()):
+            if recorder not in self._telling:
+                self._programs[view].host.refresh()
+                self._telling[recorder] = _telling_time(recorder)
         for parts, place, widget in self._drawn:
             if hasattr(widget, "newest"):
                 parts[place] = _image(widget) or parts[place]
@@ -122,6 +131,17 @@ def _image(view: Any) -> str:
         return ""
     image = base64.b64encode(png(pixels, fields["width"], fields["height"])).decode()
     return IMAGE.format(alt=html.escape(f"what came on {view.title}"), image=image)
+
+
+def _telling_time(recorder: Any) -> float:
+    """When the joints were farthest from where they began [s], for a picture; the newest time, if they hardly moved."""
+    first = recorder._positions[0]
+    best, farthest = recorder._times[-1], MOVED
+    for time, positions in zip(recorder._times, recorder._positions):
+        distance = sum(abs(position - first.get(name, position)) for name, position in positions.items())
+        if distance > farthest:
+            best, farthest = time, distance
+    return float(best)
 
 
 def _before(kind: type, name: str, call: Any) -> None:

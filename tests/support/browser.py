@@ -37,9 +37,14 @@ OF_THE_MACHINE = re.compile(
 PATIENCE = 60.0
 
 
+def find_chromium() -> str | None:
+    """Return the path of a Chromium, if there is one."""
+    return os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
+
+
 def chromium() -> str:
     """Return the path of Chromium. Without one, skip the test with a reason; in CI (CI=true) fail it."""
-    path = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
+    path = find_chromium()
     if path is not None:
         return path
     reason = f"there is no Chromium on PATH ({', '.join(NAMES)}), and CHROMIUM is not set"

@@ -1,9 +1,10 @@
 """Run notebooks from the top and save their outputs: ``make notebooks``, after a change to one of them.
 
-Only outputs are saved, so that git shows only real changes. A widget is saved as text, because there is no kernel to
-bring it to life when the notebook is opened again. Its picture is saved for the book.
+Only outputs are saved, so that git shows only real changes. A widget is saved as text and a picture, because there is no
+kernel to bring it to life when the notebook is opened again. Its figure is saved for the book.
 """
 
+import asyncio
 import os
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import nbformat
 from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
 from notebook_domains import own_surroundings
+from notebook_pictures import keep_pictures, store_pictures
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
 HOME = Path(__file__).parents[2]
@@ -49,10 +51,13 @@ def execute(path: Path) -> None:
         if "text" in output:
             output["text"] = output["text"].replace(sys.prefix, "/path/to/.venv")  # of this machine
     notebook.metadata.language_info = {"name": "python"}
+    keep_pictures(nbformat.read(path, as_version=4), notebook)
     nbformat.write(notebook, path)
     print(f"{path.name}: saved" + " " * 10)
 
 
 if __name__ == "__main__":
-    for given in map(Path, sys.argv[1:] or sorted(FOLDER.glob("*.ipynb"))):
-        execute(given.resolve())
+    given = [Path(each).resolve() for each in sys.argv[1:] or sorted(FOLDER.glob("*.ipynb"))]
+    for each in given:
+        execute(each)
+    asyncio.run(store_pictures(given))
