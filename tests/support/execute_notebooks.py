@@ -1,7 +1,7 @@
 """Run notebooks from the top and save their outputs: ``make notebooks``, after a change to one of them.
 
-Only outputs are saved, so that git shows only real changes. A widget is saved as text and a picture, because there is no
-kernel to bring it to life when the notebook is opened again. Its figure is saved for the book.
+Only outputs are saved, so that git shows only real changes. A widget is saved as text and a picture, because there is
+no kernel to bring it to life when the notebook is opened again. Its figure is saved for the book.
 """
 
 import asyncio

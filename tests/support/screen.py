@@ -45,10 +45,11 @@ LOOK = """([number, isStart]) => {
     const sights = [...panel.querySelectorAll(".tank-view-pane")].map((pane) => {
         const bodies = pane.viewer?.scene_tree.children.Bodies;
         const now = bodies && poses(bodies, "", {});
-        if (isStart) pane.atStart = pane.atLast = now;
+        const moves = moved(now, pane.atLast);
+        if (isStart) pane.atStart = now;
         const sight = {
             name: pane.ariaLabel, share: shareOf(pane, pane.closest(".jp-Cell")),
-            has_moved: moved(now, pane.atStart), moves: moved(now, pane.atLast),
+            has_moved: moved(now, pane.atStart), moves,
         };
         pane.atLast = now;
         return sight;
@@ -82,8 +83,8 @@ class Sight:
     Attributes:
         name: of the view; it may be shown several times.
         share: how much of it is on the screen, 0 to 1.
-        has_moved: whether something in it stands elsewhere than when the cell was started.
-        moves: whether something in it stands elsewhere than at the last glance.
+        has_moved: whether something in it has moved since the cell was started.
+        moves: whether something in it has moved since the last glance.
     """
 
     name: str
@@ -120,8 +121,11 @@ class Learner:
         self._described = {cells[-1]: cells for cells in described_cells(path) if cells}
 
     async def run_cell(self, number: int) -> None:
-        """Run the next cell, and note what cannot be seen of it."""
-        await self._look(number, is_start=True)
+        """Run the next cell, and note what cannot be seen of its effect. A view that already moves is not its effect."""
+        await self._look(number)
+        await asyncio.sleep(GLANCE)
+        before, _ = await self._look(number, is_start=True)
+        moving = {sight.name for sight in before if sight.moves}
         await self._notebook.page.keyboard.press("Shift+Enter")
         unseen: dict[str, int] = {}
 
@@ -137,6 +141,7 @@ class Learner:
         sights, _ = await self._look(number)
         gone = {sight.name for sight in sights if sight.has_moved} - _on_screen(sights)
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
+        gone -= moving
         self.missed += [f"cell {number} moves what is not on the screen: {name}" for name in sorted(gone)]
         if cells := self._described.get(number):
             height, screen = await self._notebook.page.evaluate(_with_names(HEIGHT), [cells.start, cells.stop])
