@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 from viewers import VIEWERS, Viewer
@@ -51,7 +51,7 @@ def judge(kind: type[Viewer], fault: str) -> str:
 
 @lru_cache(maxsize=1)
 def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
-    """Return each good message with the actions that a fault turns it into; the same ones for every viewer."""
+    """Return each good message and the actions that a fault turns it into, the same for every viewer."""
     chaos = Chaos(seed=SEED)
     made = []
     for number in range(1, 1 + MESSAGES):

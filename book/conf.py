@@ -17,7 +17,7 @@ from latex2mathml.converter import convert
 from notebook_pages import write_pages
 from sphinx.util.logging import getLogger
 
-import tutorial  # noqa: F401  (promises an rclpy to the API page)
+import tutorial  # noqa: F401  (makes rclpy importable for the API page)
 from tutorial.view import replay
 from tutorial.view.assets import meshcats_viewer
 
@@ -50,7 +50,7 @@ copybutton_only_copy_prompt_lines = False
 
 logger = getLogger(__name__)
 
-WITHOUT_NPM = "This copy of the book was made without npm, so the tank does not drive here."
+WITHOUT_NPM = "This copy of the book was built without npm, so you cannot drive the tank here."
 VIEWER = ("main.min.js", "main.min.js.LICENSE.txt")
 
 
@@ -86,7 +86,7 @@ def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _t
 
 
 def leave_drive_out(_app: Any, page: str, source: list[str]) -> None:
-    """Without npm, replace the driving part of the page `drive` by an explanation."""
+    """Without npm, replace the driving part of the page `drive` with an explanation."""
     if page == "drive" and not fetch():
         source[0] = re.sub(r"```\{raw\} html.*?```", WITHOUT_NPM, source[0], flags=re.DOTALL)
         logger.info(WITHOUT_NPM)

@@ -53,7 +53,7 @@ PROGRAMS = {
 
 @cache
 def fetch() -> Path | None:
-    """Return the folder of the npm packages, and fetch them first if necessary; None without npm, or if it fails."""
+    """Return the folder of the npm packages, fetching them first if necessary; None if npm is missing or fails."""
     marker = FETCHED / "fetched.json"
     if marker.is_file() and json.loads(marker.read_text()) == [*PACKAGES]:
         return FETCHED / "node_modules"
@@ -99,7 +99,7 @@ def style() -> str:
 
 
 def write_site(static: Path) -> None:
-    """Write all files of the page into the book's folder of static files; none without npm."""
+    """Write all files of the page into the book's folder of static files, if npm is available."""
     packages = fetch()
     if packages is None:
         return

@@ -1,6 +1,6 @@
 """Save what a notebook's widgets show while it runs, for the book, which has no kernel to bring them to life.
 
-``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets by the saved figures. A notebook's
+``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets with the saved figures. A notebook's
 n-th widget is saved as ``n.html``.
 """
 
@@ -17,7 +17,7 @@ FOLDER = Path(__file__).parent / "shown"
 WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageView)\(")
 """Matches the beginning of a saved widget's text output."""
 
-LONGEST_PAUSE = 1.0  # [s] in a replay
+LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this
 MOVED = 0.1  # [rad]; joints that have moved less look the same
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
@@ -62,7 +62,7 @@ class _Kept:
         self._programs[program.view] = program
 
     def show(self, widget: Any) -> None:
-        """Start to save a displayed widget; if the same view was displayed before, finish that recording."""
+        """Start saving a displayed widget; if the same view was displayed before, finish that recording."""
         shown = list(_leaves(widget))
         parts = [""] * len(shown)
         self._parts.append(parts)

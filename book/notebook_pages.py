@@ -55,7 +55,7 @@ def _put_in_place(notebook: dict[str, Any], kept: Path) -> None:
 
 
 def _with_links(text: str) -> str:
-    """Make links point to the book's pages, and links to terms to their entries in the glossary."""
+    """Make links point to the book's pages, and links to terms point to their glossary entries."""
     text = TERM.sub(lambda link: f"{{term}}`{link[1]} <{TERMS[link[2]]}>`", text)
     return CONTROLLERS.sub("](../controllers.md)", text.replace("](../book/", "](../"))
 

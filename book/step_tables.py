@@ -12,7 +12,7 @@ STEPS = (
     ("joint_state_publisher", "a publisher of joint states", "`/Tank/joint_state`"),
     ("joint_state_subscriber", "a viewer, in a second program", "`/Tank/joint_state`"),
     ("imu_publisher", "a publisher of the sensors' measurements", "`/Tank/imu`"),
-    ("imu_subscriber", "a viewer of the sensors that shakes", "`/Tank/imu`"),
+    ("imu_subscriber", "a viewer that shows the measurements and shakes", "`/Tank/imu`"),
     ("camera_publisher", "a publisher of the camera's images", "`/Tank/camera/image`"),
     ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
     ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
@@ -53,7 +53,7 @@ def _row(number: int, name: str, builds: str, topic: str) -> dict[str, str]:
 
 
 def _files(folder: str, name: str, suffix: str) -> str:
-    """Return links to the files whose names are or begin with `name`."""
+    """Return links to the files whose names equal or begin with `name`."""
     found = sorted([*HOME.glob(f"{folder}/{name}{suffix}"), *HOME.glob(f"{folder}/{name}_*{suffix}")])
     return ", ".join(f"[`{path.name}`]({folder}/{path.name})" for path in found)
 

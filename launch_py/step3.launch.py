@@ -1,4 +1,4 @@
-"""Step 3: as step 2, and a viewer in a program of its own that shows what the simulation publishes."""
+"""Step 3: like step 2, with a viewer in a separate program that shows the joint states."""
 
 from pathlib import Path
 

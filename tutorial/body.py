@@ -29,7 +29,7 @@ ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 class Joint:
-    """A hinge or slide joint of a body, as `sensor_msgs/JointState` sees it.
+    """A hinge or slide joint of a body, as `sensor_msgs/JointState` describes it.
 
     Attributes:
         name: without the body's prefix.
@@ -81,7 +81,7 @@ class Joint:
         """Torque or force [N.m or N] of the joint's actuators in the last step. Setting it commands the motor.
 
         Raises:
-            TutorialError: on setting, if the joint has no motor, or has a servo; names the actuator and its kind.
+            TutorialError: when set, if the joint has no motor or has a servo; the text names the actuator and its kind.
         """
         return self._effort.item(self._dof_adr)
 
@@ -95,7 +95,7 @@ class Joint:
         """Position [rad or m] that the joint's position servo holds. Setting it commands the servo.
 
         Raises:
-            TutorialError: the joint has no position servo, or several; names the actuator and its kind.
+            TutorialError: the joint has no position servo, or several; the text names the actuator and its kind.
         """
         command = self._find_target_command()
         return (self._ctrl.item(command.adr) - command.offset) / command.scale
@@ -252,7 +252,7 @@ class Body:
         """Find a joint by name.
 
         Raises:
-            TutorialError: the body has no such joint; suggests the nearest name.
+            TutorialError: the body has no such joint; the text suggests the nearest name.
         """
         if name not in self._by_name:
             raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{did_you_mean(name, self.joint_names)}")
@@ -284,7 +284,7 @@ class Body:
             name: without the body's prefix.
 
         Raises:
-            TutorialError: the body has no such element; suggests the nearest name.
+            TutorialError: the body has no such element; the text suggests the nearest name.
         """
         prefix = f"{self.name}/"
         every = {element(i).name: i for i in range(count)}
@@ -317,7 +317,7 @@ class Body:
     def twist(self) -> NDArray[np.float64]:
         """Its root's velocity, linear [m/s], then angular [rad/s], along the root's own axes, a copy, shape (6,)."""
         linear, inverse = np.empty(3), self._root.wxyz * (1.0, -1.0, -1.0, -1.0)
-        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's is along the world's axes
+        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's velocity is along the world's axes
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
@@ -370,7 +370,7 @@ def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:
 
 
 class _Root(NamedTuple):
-    """Views of the pose and velocity of a body's root in MuJoCo's data; of a root that is fixed, in the model."""
+    """Views of the pose and velocity of a body's root in MuJoCo's data, or in the model if the root is fixed."""
 
     position: NDArray[np.float64]
     wxyz: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""The base of all controllers, its five methods, and what they get."""
+"""The base class of all controllers, and the objects that its methods receive."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class CallLatest(Protocol):
 
 @dataclass(frozen=True)
 class ControllerConfig:
-    """What a controller gets when it joins a body.
+    """What a controller receives when it joins a body.
 
     Attributes:
         body: the displayed body; it belongs to the main thread.
@@ -77,7 +77,7 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base of all controllers, with the names and methods of the original. Each method names the thread that calls it.
+    """Base of all controllers, with the names and methods of the original. Each docstring names the calling thread.
 
     On a displayed body, only `configure` and `unconfigure` are called. In a simulated world `initialize`, `control` at
     every step, and `stop` come between them.
@@ -93,7 +93,7 @@ class SimpleController:
         """Read sensors and set actuators, before every step. The simulation's thread."""
 
     def stop(self) -> None:
-        """Finish: `control` will not be called again until the next start. A thread of the simulation's."""
+        """Finish: `control` will not be called again until the next start. One of the simulation's threads."""
 
     def unconfigure(self) -> None:
         """Leave the body: destroy the publishers and subscriptions that `configure` made. Main thread."""

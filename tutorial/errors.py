@@ -52,7 +52,7 @@ def printable(text: str) -> str:
     ends and lone surrogates.
 
     Returns:
-        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text of visible characters only is returned unchanged.
+        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; a text with only visible characters is returned unchanged.
     """
     if text.isprintable():
         return text
@@ -62,7 +62,7 @@ def printable(text: str) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """Do the same as `printable`, but keep line ends and tabs.
+    """Escape invisible characters as `printable` does, but keep line ends and tabs.
 
     Pass each part from outside through `printable` before you put it into such a text, or it could add lines.
     """

@@ -93,7 +93,7 @@ class CallQueue:
         return len(self._waiting)
 
     def scope(self, owner: str) -> CallScope:
-        """Return a scope for one poster. Closing it drops its calls alone. The log calls it by the name in `owner`."""
+        """Return a scope for one poster. Closing it drops only its own calls. The log calls it `owner`."""
         return CallScope(self, owner)
 
     def close(self) -> None:
@@ -177,7 +177,7 @@ class CallScope:
         self.queue._post(call, call)  # a unique key, so it replaces nothing
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Do the same as `call_later`, but replace a waiting call with the same key, such as a body's name."""
+        """Post a call as `call_later` does, but replace a waiting call with the same key, such as a body's name."""
         frame = sys._getframe(1)
         self.queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 

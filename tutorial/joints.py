@@ -19,15 +19,15 @@ from tutorial.errors import did_you_mean
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-NAMES_KEPT = 3  # in each part of a report, which stays small however many names a message has
+NAMES_KEPT = 3  # per part of a report, to keep it small however many names a message has
 SECOND_NS = 1_000_000_000  # a stamp that steps back further means that the publisher was restarted
-PAUSE_NS = 10 * SECOND_NS  # among several publishers, none pauses for longer between two messages
+PAUSE_NS = 10 * SECOND_NS  # the longest pause that one of several publishers may make between two messages
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
-SLACK = 1e-3  # [rad or m] too little beyond a range to report, because simulated limits are soft
+SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 COUNT_EVERY = 10  # messages between two counts of the publishers
-SILENT_AFTER = 25  # rivals' messages in a row, per rival: then the followed publisher is silent
-SHARED = 60  # jumps of a joint back to its position before last: then two publishers share it
+SILENT_AFTER = 25  # messages in a row, per rival, that mean that the followed publisher is silent
+SHARED = 60  # jumps of a joint back to its position before last that mean that two publishers share it
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -45,7 +45,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     ranges = _ranges(joints)
     names, positions = message.name, message.position
     known = [(name, position) for name, position in zip(names, positions) if name in ranges]
-    usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # False for NaN; the last wins
+    usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # excludes NaN; the last wins
     received = dict(known) | usable  # in the message's order; unusable numbers only for joints without a usable one
     shown = {joint: position for joint, position in received.items() if joint in usable}
     strange, named = [name for name in names if name not in ranges], Counter(name for name, _ in known)
@@ -94,7 +94,7 @@ class JointReport(NamedTuple):
 
     joints: tuple[str, ...] = ()  #: the joints that got a position
     arrival: Arrival = Arrival.NEXT
-    unmoved: NameList = NameList()  #: joints that it did not move, as late or a rival's, though it moved others
+    unmoved: NameList = NameList()  #: joints that it did not move because it was late or a rival's for them
     unknown: NameList = NameList()  #: names that the body has no joint for
     duplicate: NameList = NameList()  #: joints named more than once; the last usable number won
     short: int = 0  #: the number of names without a position
@@ -212,8 +212,8 @@ class _Publishers:
     """Tells the publishers of one topic apart by their messages, because in rclpy a message does not name its sender.
 
     With as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. Otherwise a
-    message is a rival's if it is older than the last one, over 10 s newer, or lets a joint jump. Once it is known where
-    a single rival has that joint, only a jump to there counts. If publishers agree, all are shown.
+    message is a rival's if it is older than the last one, over 10 s newer, or makes a joint jump. Once a
+    single rival's position of that joint is known, only a jump to it counts. If publishers agree, all are shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
@@ -221,7 +221,7 @@ class _Publishers:
         self._count, self._counted = count, 0
         self._alone_for = 0  # messages until the publishers are counted again
         self._groups: list[set[str]] = []  # joints that are published together
-        self._elsewhere: dict[str, float] = {}  # where the rival has a joint
+        self._elsewhere: dict[str, float] = {}  # the rival's position of a joint
         self._received: dict[str, tuple[float, float, float]] = {}  # last position, the one before, and jumps back
 
     def alone(self) -> bool:

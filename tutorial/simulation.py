@@ -22,14 +22,14 @@ USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up on; it skips the rest
 REPORT_EVERY = 5.0  # [s] between two warnings that the machine can't keep up
-STUCK = 3.0  # [s] for the controllers to return when a caller waits for them
+STUCK = 3.0  # [s] that a caller waits for controllers to return
 SLOW = 0.95  # of real time; below that, the machine can't keep up
 
 _log = logging.getLogger(__name__)
 
 
 class State(Enum):
-    """The state of a `Simulation`. Its docstring has the table of transitions."""
+    """The state of a `Simulation`, whose docstring contains the table of transitions."""
 
     IDLE = "idle"  #: not being stepped; ready to step
     RUNNING = "running"  #: a thread steps it: its own, or the caller of `Simulation.advance`
@@ -71,7 +71,7 @@ class Simulation:
         rest: the pause between two batches of steps in real time [s]. A longer pause takes less processor time.
 
     Raises:
-        TutorialError: the bodies do not make a world.
+        TutorialError: the bodies cannot form a world.
     """
 
     rest = REST
@@ -214,7 +214,7 @@ class Simulation:
         """Let one caller at a time start, stop or change something. A controller may not: it would wait for itself."""
         if self._stepping.is_mine() or self._stopping.is_mine():
             raise TutorialError(
-                f"{caller} was called by a controller, and would wait for it for ever. Call it elsewhere."
+                f"{caller} was called by a controller, and would wait for it forever. Call it elsewhere."
             )
         if not self._turn_lock.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers at most twice
             raise TutorialError(f"{caller}: another thread is still stopping this simulation. Try again later.")

@@ -17,7 +17,7 @@ from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError, file_of, tell
 from tutorial.world import Placement, compose
 
-POLL_EVERY = 0.001  # [s] while another thread waits for a run's next lap
+POLL_EVERY = 0.001  # [s] between two checks for a run's next lap
 _log = logging.getLogger(__name__)
 
 
@@ -112,7 +112,7 @@ class SteppedWorld:
         initialized: whether the controllers were initialized, and not dismissed since.
 
     Raises:
-        TutorialError: the bodies do not make a world.
+        TutorialError: the bodies cannot form a world.
     """
 
     def __init__(

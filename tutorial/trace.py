@@ -1,4 +1,4 @@
-"""When each message was received, posted and applied, and on which thread: the hand-off, made visible.
+"""Records when and on which thread each message was received, posted and applied, to make the hand-off visible.
 
 Without a trace, a program spends one attribute lookup per message and per call. A trace keeps only the newest handoffs,
 so it can stay switched on.
@@ -20,7 +20,7 @@ class Moment:
     """A time and a thread.
 
     Attributes:
-        time: of `time.perf_counter` [s].
+        time: from `time.perf_counter` [s].
         thread: the thread's name.
     """
 

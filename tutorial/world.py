@@ -50,7 +50,7 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
         The compiled model.
 
     Raises:
-        TutorialError: a model does not load, or the world does not compile; quotes MuJoCo's reason.
+        TutorialError: a model does not load, or the world does not compile; the text quotes MuJoCo's reason.
     """
     world, unused = _make_world(placements, time_step)
     try:
@@ -68,7 +68,7 @@ def world_spec(placements: Iterable[Placement], time_step: float | None = None) 
     """Return the spec that `compose` compiles, for the same arguments.
 
     Raises:
-        TutorialError: a model does not load; quotes MuJoCo's reason.
+        TutorialError: a model does not load; the text quotes MuJoCo's reason.
     """
     return _make_world(placements, time_step)[0]
 

@@ -54,7 +54,7 @@ async def test_rail_and_stick_move_the_turret_in_both_programs(domain):
 async def test_two_nodes_of_one_name_are_reported(domain, caplog):
     step3 = Project.load(find_project("step3"))
     async with Host(step3) as first, Host(step3):
-        await until(lambda: first.refresh() or "there are 2 nodes of the name /tank" in caplog.text)
+        await until(lambda: first.refresh() or "there are 2 nodes named /tank" in caplog.text)
         assert "--ros-args -r __node:=tank_2" in caplog.text
 
 

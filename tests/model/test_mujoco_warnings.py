@@ -14,7 +14,7 @@ def test_warnings_are_counted_and_logged_now_and_then(caplog, monkeypatch):
     mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
     assert caplog.messages == [
         "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until each is a number again.",
-        "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is back where it began. "
+        "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is reset to its initial state. "
         "(7 more since the last one)",
     ]
 

@@ -136,7 +136,7 @@ async def test_without_a_viewer_no_frame_is_drawn(step3, monkeypatch):
         monkeypatch.setattr(view, "flush", lambda: frames.append("drawn"))
         host.refresh()
         assert not frames
-        assert drawn(scene, Record.LINE) == [b"Tank: nothing has come on /Tank/joint_state yet"]
+        assert drawn(scene, Record.LINE) == [b"Tank: no message on /Tank/joint_state yet"]
         scene.attach(len)
         host.refresh()
         assert len(frames) == 2
@@ -223,7 +223,7 @@ async def test_each_body_of_a_fleet_follows_its_own_messages(domain):
                     publisher.publish(state)
                 return drawn(scene, Record.LINE)[-1].decode()
 
-            fourth = "Tank_4: nothing has come on /Tank_4/joint_state yet"
+            fourth = "Tank_4: no message on /Tank_4/joint_state yet"
             line = rf"2 of 4 bodies follow their messages \| Tank_3: 0 joints shown; unknown 'TRACK'.* \| {fourth}"
             await until(lambda: re.fullmatch(line, said()))
         assert [body.joint("TURRET_Y").position for body in host.bodies.values()] == [0.1, 0.3, 0.0, 0.0]

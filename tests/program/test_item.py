@@ -63,9 +63,9 @@ def test_a_change_without_a_report_is_drawn_but_not_counted(item):
 def test_before_the_first_message_the_line_says_so(joints):
     assert joints.line() == "", "without a subscription"
     joints.meters = [TopicMeter(JointState, "/Tank/joint_state", "received")]
-    assert joints.line() == "Tank: nothing has come on /Tank/joint_state yet"
+    assert joints.line() == "Tank: no message on /Tank/joint_state yet"
     joints.meters[0].count = 1
-    assert joints.line() == "Tank: nothing of what has come on /Tank/joint_state could be shown yet"
+    assert joints.line() == "Tank: no message on /Tank/joint_state could be shown yet"
 
 
 @pytest.fixture
@@ -152,7 +152,7 @@ LINKED = """
             '<connect body1="PALM" anchor="0 0 0"/>',
             [
                 "Hand: its model couples links by <connect>, which the view does not compute. "
-                "Joints that no message names stay where they are: 'C'"
+                "Joints that no message names keep their positions: 'C'"
             ],
         ),
     ],

@@ -95,7 +95,7 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
     assert swapped.bodies[0].controllers == (JointStateSubscriber,)
     model = tmp_path / "a<b>.xml"
     model.write_text("<mujoco/>")
-    with pytest.raises(TutorialError, match="the body is called after the file, and 'A<b>' cannot be part of a topic"):
+    with pytest.raises(TutorialError, match="the body is named after the file, and 'A<b>' cannot be part of a topic"):
         project.with_robot(model)
     with pytest.raises(TutorialError, match=r"the model 'm\\udce4\.xml' does not load\. .* can't encode character"):
         project.with_robot(Path("m\udce4.xml"))
@@ -110,7 +110,7 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         ('bodies: "\\UFFFFFFFF"', "line 1: this is not YAML:"),
         ("bodies:\n  - name: A\n    name: B", "line 3: this is not YAML: 'name' appears twice. Keep one."),
         ("bodies:\n  - \0", "line 2: this is not YAML: unacceptable character #x0000"),
-        ("bodies:\n  - !!null name: T", "line 2: a key here is not a text. Put it in quotes."),
+        ("bodies:\n  - !!null name: T", "line 2: a key here is not a string. Put it in quotes."),
         ("bodies:\n  - {<<: {nme: Tank}, model: x}", "line 2: unknown key 'nme'. Did you mean 'name'?"),
         (body("\n    contollers: []"), "line 3: unknown key 'contollers'. Did you mean 'controllers'?"),
         ("- 1", "line 1: expected a mapping, got a list."),

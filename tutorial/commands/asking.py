@@ -1,4 +1,4 @@
-"""The nodes of commands, which take ROS 2's arguments, and the commands that query ROS 2 through one."""
+"""Make nodes for commands, with ROS 2's arguments, and commands that query ROS 2 through such a node."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
@@ -25,7 +25,7 @@ BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when th
 
 
 def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
-    """Turn a coroutine function into a command's function. It receives a node and the options, and prints the answer.
+    """Turn a coroutine function, which queries a node and prints the answer, into the function of a command.
 
     The node is hidden, like that of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit status
     follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed

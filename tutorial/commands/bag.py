@@ -35,7 +35,7 @@ def bag() -> None:
 @click.argument("topics", nargs=-1, metavar="[TOPICS]...")
 @click.option("-a", "--all", "everything", is_flag=True, help="Record all topics, including those that appear later.")
 @click.option(
-    "-o", "--output", type=Path, metavar="NAME", help="Record into this new folder; by default, its name is the time."
+    "-o", "--output", type=Path, metavar="NAME", help="Record into this new folder, by default named after the time."
 )
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
@@ -119,7 +119,7 @@ def play(
     start_offset: float,
     topics: tuple[str, ...],
 ) -> int:
-    """Publish the messages of BAG byte for byte, at the intervals at which they were received."""
+    """Publish the messages of BAG byte for byte, with their original timing."""
     from tutorial.ros.bags import Bag, Player
 
     if more and not topics:

@@ -64,7 +64,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     from tutorial.commands.checking.sandbox import need_sandbox
 
     if junit is not None:
-        junit.open()  # a LazyFile of click: fail before judging if it cannot be written
+        junit.open()  # a click LazyFile: fail before judging if it cannot be written
     paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
@@ -104,7 +104,7 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
     """Name each notebook by its path below the common folder, with control characters as escapes."""
-    absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - where a link leads is not its name
+    absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - keep a link's own name
     common = Path(os.path.commonpath([path.parent for path in absolute]))
     return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
 

@@ -29,7 +29,7 @@ from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.folder import RANGE
 from tutorial.system.printing import say
 
-WIDTH = 100  # columns, of which the first 20 are for subject and level
+WIDTH = 100  # columns, including 20 for subject and level
 PATIENCE = 45  # [s] to wait for an answer: a loaded machine is slow to import
 FIRST_LOOK = 4.0  # [s] before the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
 

@@ -33,7 +33,7 @@ class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class ScriptedDrive:
-    """A drive scripted in a YAML file, as a list of times and the axes from then on.
+    """A drive scripted in a YAML file: a list of times, each with the axes from then on.
 
     Args:
         path: the file. With ``repeat: true`` the drive starts again at the time of its last entry.

@@ -21,7 +21,7 @@ OWN = "tank-tutorial"
 """The name of a learner's own course folder."""
 
 BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
-"""Variables that WSL sets, or VS Code's terminals in containers and on remote machines."""
+"""Variables set by WSL, or by VS Code's terminals in containers and on remote machines."""
 
 
 def own_course() -> Path:
@@ -58,7 +58,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         arguments: further arguments for JupyterLab, which override the settings made here.
         course: the course folder, which becomes JupyterLab's root.
     """
-    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # set in terminals
+    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # a terminal has both
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
@@ -79,7 +79,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
 
 
 def _forwarded_origin() -> str:
-    """Return a regular expression of the origins of a GitHub codespace; empty elsewhere."""
+    """Return a regular expression that matches the origins of a GitHub codespace; empty elsewhere."""
     name, domain = map(os.environ.get, ("CODESPACE_NAME", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN"))
     return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 

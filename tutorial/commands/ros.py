@@ -38,7 +38,7 @@ def install_command() -> None:
         say(f"\nStep 7 does not run on it: {folder.NO_TF2_MSGS}\n")
 
 
-@ros.command(short_help="Build messages, services and actions of your own for it.")
+@ros.command(short_help="Build your own messages, services and actions for it.")
 @click.argument("package", type=click.Path(file_okay=False, path_type=Path))
 def build(package: Path) -> None:
     """Build the interface package in the folder PACKAGE, and install it beside the messages of the real ROS 2.

@@ -77,7 +77,7 @@ def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[
 
 
 def until_asked(program: Awaitable[None]) -> bool:
-    """Run a program on a new event loop until it ends, or until Ctrl-C or SIGTERM; return whether one came."""
+    """Run a program on a new event loop until it ends, or until Ctrl-C or SIGTERM; return whether it was stopped."""
     asked = threading.Event()
 
     async def body() -> None:

@@ -23,7 +23,7 @@ def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
 
 
 class BagRecorder(SimpleController):
-    """Record the joint states that others publish about the body, byte for byte."""
+    """Record the joint states that other programs publish about the body, byte for byte."""
 
     folder = Path()  # of the bags: the current directory
 

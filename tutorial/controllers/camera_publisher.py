@@ -48,7 +48,7 @@ class CameraPublisher(SimpleController):
 
 
 def image(pixels: NDArray[np.uint8]) -> Image:
-    """Return a message of the pixels, shape (height, width, 3), row by row from the top."""
+    """Return an image message with the pixels, shape (height, width, 3), row by row from the top."""
     message = Image()
     message.height, message.width, _ = pixels.shape
     message.encoding = "rgb8"

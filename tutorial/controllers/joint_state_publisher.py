@@ -17,7 +17,7 @@ class JointStatePublisher(SimpleController):
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Take the joints of the simulated body."""
+        """Look up the joints of the simulated body."""
         self.io = io
         self.joints = io.body.joints
         self.steps_per_message = round(1 / (RATE * io.time_step))

@@ -20,7 +20,7 @@ class PosePublisher(SimpleController):
         self.odom_publisher = self.node.create_publisher(Odometry, f"{config.body.name}/odom", 10)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Take the simulated body."""
+        """Store `io`, and compute how often to publish."""
         self.io = io
         self.steps_per_message = round(1 / (RATE * io.time_step))
 

@@ -9,13 +9,13 @@ from tutorial.body import Joint
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
 
-STEP_AT_FULL_STICK = 0.002  # [rad] by which a reference angle moves in one simulation step
+STEP_AT_FULL_STICK = 0.002  # [rad] change of a reference angle per simulation step
 P_GAIN = 200.0  # [N.m/rad]
 D_GAIN = 50.0  # [N.m.s/rad]
 
 
 class TankController(SimpleController):
-    """Drive the tracks with the left stick, aim the turret and its barrel with the right one."""
+    """Drive the tracks with the left stick, and aim the turret and its barrel with the right stick."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Listen to the joystick."""
@@ -39,7 +39,7 @@ class TankController(SimpleController):
         """Turn the sticks into track speeds [m/s] and joint torques [N.m]."""
         left_x, left_y, right_x, right_y = sticks(self.joy.get())
 
-        # at full stick 2 m/s ahead; a turn lets one track run 1 m/s slower and the other one faster
+        # forward at full stick is 2 m/s; a full turn makes one track 1 m/s slower and the other track 1 m/s faster
         self.track_l.ctrl = 2.0 * left_y - left_x
         self.track_r.ctrl = 2.0 * left_y + left_x
 
@@ -60,7 +60,7 @@ class AimedJoint:
         self.q_ref = self.q_prev = joint.position
 
     def aim(self, stick: float) -> None:
-        """Move the reference by the stick, within the joint's range, and set the torque that follows it."""
+        """Move the reference with the stick, within the joint's range, and set the torque that follows it."""
         lower, upper = self.joint.range
         q_ref = min(max(self.q_ref + STEP_AT_FULL_STICK * stick, lower), upper)
         dq_ref = (q_ref - self.q_ref) / self.time_step
@@ -82,7 +82,7 @@ def four_axes(message: Joy) -> list[float]:
 
 
 def sticks(message: Joy) -> tuple[float, float, float, float]:
-    """Return left x, left y, right x, right y, each in [-1, 1] with its dead zone."""
+    """Return left x, left y, right x, right y, each in [-1, 1] and with a dead zone."""
     left_x, left_y, right_x, right_y = four_axes(message)
     return dead_zone(left_x, 0.2), dead_zone(left_y, 0.2), dead_zone(right_x, 0.15), dead_zone(right_y, 0.15)
 

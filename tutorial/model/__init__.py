@@ -1,1 +1,1 @@
-"""What a MuJoCo model says about itself: actuators, joint couplings, options, its URDF, and MuJoCo's warnings."""
+"""Information from MuJoCo models: actuators, joint couplings, options, URDF files, and MuJoCo's warnings."""

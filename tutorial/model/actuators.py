@@ -1,4 +1,4 @@
-"""How to command a joint: the control signal for an effort of its motor, or for a target of its position servo."""
+"""Commands for joints: the control signals for a motor's effort and for a position servo's target."""
 
 from typing import NamedTuple
 
@@ -11,13 +11,13 @@ ON_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPAREN
 Dyn, Gain, Bias = mujoco.mjtDyn, mujoco.mjtGain, mujoco.mjtBias
 
 FOLLOWS_CONTROL = (Dyn.mjDYN_NONE, Dyn.mjDYN_FILTER, Dyn.mjDYN_FILTEREXACT)
-"""Dynamics with which the actuator's input follows the control signal, at once or with a delay."""
+"""Dynamics that make the actuator's input follow the control signal, immediately or with a delay."""
 
 KINDS = {
     Gain.mjGAIN_MUSCLE: "a muscle",
     Gain.mjGAIN_DCMOTOR: "a DC motor",
     Gain.mjGAIN_PID: "a PID controller",
-    Gain.mjGAIN_USER: "an actuator of the user's own",
+    Gain.mjGAIN_USER: "a user-defined actuator",
 }
 
 CONTROL = "the control signal, body.actuator(name).ctrl"
@@ -43,7 +43,7 @@ def actuators_of(model: mujoco.MjModel, joint: int) -> list[int]:
 
 
 def is_motor(model: mujoco.MjModel, actuator: int) -> bool:
-    """Return whether an actuator's force is its control signal times a constant."""
+    """Return whether an actuator's force is proportional to its control signal."""
     direct = Dyn(model.actuator_dyntype[actuator]) == Dyn.mjDYN_NONE and not _has_plugin(model, actuator)
     return bool(direct and _gain(model, actuator) and _bias(model, actuator) == [0.0, 0.0, 0.0])
 
@@ -117,9 +117,9 @@ def _gain(model: mujoco.MjModel, actuator: int) -> float:
 
 
 def _bias(model: mujoco.MjModel, actuator: int) -> list[float]:
-    """Return the force without a control signal: a constant, per unit of length, and per unit of velocity.
+    """Return the coefficients of the force without a control signal: constant, per length, and per velocity.
 
-    They are NaN if MuJoCo computes the force in another way, as for a muscle.
+    They are NaN if MuJoCo computes the force differently, as for a muscle.
     """
     match Bias(model.actuator_biastype[actuator]):
         case Bias.mjBIAS_NONE:
@@ -148,15 +148,18 @@ def _kind(model: mujoco.MjModel, actuator: int) -> str:
     """Name the kind of an actuator."""
     dynamics, gain = Dyn(model.actuator_dyntype[actuator]), Gain(model.actuator_gaintype[actuator])
     _, stiffness, damping = _bias(model, actuator)
-    kinds = (  # the first that fits
+    kinds = (  # the first match counts
         (is_motor(model, actuator), "a motor"),
         (_has_plugin(model, actuator), "driven by a plugin"),
         (gain in KINDS, KINDS.get(gain, "")),
-        (dynamics == Dyn.mjDYN_INTEGRATOR and stiffness, "a velocity servo that integrates"),
+        (dynamics == Dyn.mjDYN_INTEGRATOR and stiffness, "an integrated-velocity servo"),
         (dynamics == Dyn.mjDYN_INTEGRATOR, "an integrator"),
         (_is_position_servo(model, actuator), "a position servo"),
-        (dynamics != Dyn.mjDYN_NONE, "an actuator whose force follows the control signal late, such as a cylinder"),
+        (
+            dynamics != Dyn.mjDYN_NONE,
+            "an actuator whose force follows the control signal with a delay, such as a cylinder",
+        ),
         (gain == Gain.mjGAIN_AFFINE, "a damper"),
         (damping < 0, "a velocity servo"),
     )
-    return next((kind for fits, kind in kinds if fits), "an actuator with a force of its own")
+    return next((kind for fits, kind in kinds if fits), "an actuator with a bias force")

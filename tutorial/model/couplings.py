@@ -11,14 +11,14 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 NOBODY = -1
-"""The leader of a follower that stands still."""
+"""The leader of a follower that is held at a constant position."""
 
 NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
 """Equalities of links and tendons. They move joints, too, but no formula gives the position of a single joint."""
 
 
 class Coupling(NamedTuple):
-    """A joint that follows another one.
+    """A coupling that makes one joint follow another joint.
 
     Attributes:
         follower: MuJoCo's id of the joint that follows.
@@ -54,16 +54,16 @@ class Coupling(NamedTuple):
 
 
 class Followers:
-    """Moves the joints of a displayed body that are coupled to others.
+    """Moves the joints of a displayed body that are coupled to other joints.
 
     A joint follows until its position is first set by name: a publisher that names the joint knows its position.
 
     Args:
         model: the model.
-        prefix: what the names of the body's joints begin with in the model.
+        prefix: the prefix of the names of the body's joints in the model.
 
     Attributes:
-        names: the names, without the prefix, of joints that follow those that were set.
+        names: the names, without the prefix, of the joints that follow joints with known positions.
     """
 
     def __init__(self, model: mujoco.MjModel, prefix: str) -> None:
@@ -79,7 +79,7 @@ class Followers:
         self._move(follow(self._couplings, roots(self._couplings)), qpos)
 
     def update(self, positions: Mapping[str, float], qpos: NDArray[np.float64]) -> None:
-        """Move the followers, after positions were set.
+        """Move the followers after positions have been set.
 
         Args:
             positions: the positions that were set, by joint name.
@@ -116,13 +116,13 @@ def active_equalities(model: mujoco.MjModel) -> list[int]:
 
 
 def not_computed(model: mujoco.MjModel) -> list[str]:
-    """Return the kinds of active equalities that only a simulation can satisfy, by their names in MJCF."""
+    """Return the kinds, as named in MJCF, of the active equalities that only a simulation can satisfy."""
     kinds = {mujoco.mjtEq(model.eq_type[each]).name for each in active_equalities(model)}
     return [kind.removeprefix("mjEQ_").lower() for kind in NOT_COMPUTED if kind in kinds]
 
 
 def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling]:
-    """Find the couplings that determine joints that are not named.
+    """Find the couplings that determine the joints with unknown positions.
 
     A linear coupling also works backwards, from its follower to its leader. If several couplings determine a joint,
     the first one counts.
@@ -132,7 +132,7 @@ def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling
         named: MuJoCo's ids of the joints whose positions are known.
 
     Returns:
-        The couplings, in an order in which each leader is known when it is needed.
+        The couplings, sorted so that each leader's position is known before its followers need it.
     """
     ways = [*couplings, *(each.swapped() for each in couplings if each.is_linear)]
     known, found = {NOBODY, *named}, list[Coupling]()
@@ -143,7 +143,7 @@ def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling
 
 
 def roots(couplings: Sequence[Coupling]) -> set[int]:
-    """Return the joints that others follow and that follow no joint themselves; of a cycle, return one joint."""
+    """Return the leaders that follow no joint themselves, and one joint of each cycle."""
     found = {each.leader for each in couplings} - {each.follower for each in couplings}
     for each in couplings:
         if each.leader not in found.union(step.follower for step in follow(couplings, found)):
@@ -152,7 +152,7 @@ def roots(couplings: Sequence[Coupling]) -> set[int]:
 
 
 def _coupling(model: mujoco.MjModel, equality: int) -> Coupling:
-    """Read an equality. MuJoCo's polynomial takes the distance of the leader from its position in ``qpos0``."""
+    """Read an equality. MuJoCo's polynomial is in the leader's distance from its position in ``qpos0``."""
     follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
     start = float(model.qpos0[model.jnt_qposadr[follower]])
     coefficients = model.eq_data[equality, :5].tolist()

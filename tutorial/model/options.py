@@ -1,4 +1,4 @@
-"""MuJoCo's options of a world. They apply to the whole world, but each of its models may set some."""
+"""MuJoCo's options. They apply to the whole world, but each of its models can set some of them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -36,24 +36,24 @@ Models = Mapping[Path, mujoco.MjSpec]
 
 
 def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]], time_step: float | None) -> str:
-    """Give a world the options that its models set, and give these to all models, so that they can be attached.
+    """Set a world's options to those of its models, and then those of each model, so that it can be attached.
 
     An option counts if the models that set it agree. If they do not, or if no model sets it, the world has its own: the
     original's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag, such as the one for
     contacts, and a disabled group of actuators count only if all models set them.
 
     Args:
-        world: the world; its options are set.
-        parts: the file and the content of each model; the options of the content are set.
+        world: the world, whose options this function sets.
+        parts: the file and the content of each model. This function sets the options of the content, too.
         time_step: the world's [s], which overrides the models'; None uses theirs.
 
     Returns:
-        A text about the models' options that are not used; empty if all are used.
+        A description of the models' options that are not used; empty if all are used.
     """
     models = dict(parts)
     specs = [spec for _, spec in parts]
     world.option.timestep, world.option.gravity = TIME_STEP, GRAVITY
-    if not any(spec.flexes for spec in specs):  # MuJoCo does not simulate soft bodies with it
+    if not any(spec.flexes for spec in specs):  # it does not support soft bodies
         world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     unused = [*_set_values(world, models, time_step), *_set_flags(world, models), *_set_actuator_groups(world, models)]
     for size in SIZES:
@@ -85,12 +85,12 @@ def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -
 
 
 def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
-    """Set the flags that all models set. Yield a description of each that only some set."""
+    """Set the flags that all models set. Yield a description of each flag that only some models set."""
     for field, kinds, own, other in (
         ("disableflags", mujoco.mjtDisableBit, "enable", "disable"),
         ("enableflags", mujoco.mjtEnableBit, "disable", "enable"),
     ):
-        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # the last one counts them
+        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # skips their number
         for name, bit in flags:
             if partly := _set_bit(world, models, field, bit):
                 flag = f"flag {name.partition('_')[2].lower()}"
@@ -98,7 +98,7 @@ def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
 
 
 def _set_actuator_groups(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
-    """Disable the groups of actuators that all models disable. Yield a description of each that only some disable."""
+    """Disable the groups of actuators that all models disable. Describe those that only some models disable."""
     for group in range(31):
         if partly := _set_bit(world, models, "disableactuator", 1 << group):
             yield _contradiction("actuatorgroupdisable", "empty", dict.fromkeys(partly, str(group)))
@@ -126,5 +126,5 @@ def _word(name: str, value: Any) -> str:
 
 
 def _contradiction(name: str, own: str, said: Mapping[Path, str]) -> str:
-    """Describe the value that the world has, and those that the models ask for."""
+    """Describe the world's value and the values that the models set."""
     return f"{name} is {own} ({', '.join(f'{word} in {path.name}' for path, word in said.items())})"

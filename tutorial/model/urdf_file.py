@@ -1,4 +1,4 @@
-"""URDF files as models: MuJoCo reads them with a few settings, and if it can find their meshes."""
+"""Reads URDF files as MuJoCo models, with some settings, and finds their meshes."""
 
 import os
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ MESH_FILES = (".msh", ".obj", ".stl")
 """The mesh formats that MuJoCo reads."""
 
 NO_MASS = 1e-9  # [kg]
-"""The mass of a link that has none: MuJoCo requires one for each link that moves."""
+"""The mass of a link without one: MuJoCo requires a mass for each moving link."""
 
 SETTINGS = {
     "discardvisual": "false",
@@ -25,10 +25,10 @@ SETTINGS = {
     "boundmass": str(NO_MASS),
     "boundinertia": "1e-12",
 }
-"""They keep each link and each shape, and correct an inertia that no rigid body can have."""
+"""These settings keep all links and shapes, and correct physically impossible inertias."""
 
 VISUAL, HIDDEN = 1, 3
-"""MuJoCo's group for the visuals of a URDF, and a group that is not shown."""
+"""MuJoCo's group for the visuals of a URDF, and a hidden group."""
 
 PACKAGE = ("package", "model")
 """URL schemes of files in a package's folder."""
@@ -37,8 +37,8 @@ PACKAGE = ("package", "model")
 def read_urdf(path: Path) -> mujoco.MjSpec | None:
     """Read a robot description. Its visuals are shown, or its collision shapes if it has no visuals.
 
-    A mesh's address may begin with ``package://``. The package's folder is recognized by its name or its
-    ``package.xml`` from the file's folder upwards, and by its name in AMENT_PREFIX_PATH.
+    A mesh's address can begin with ``package://``. The package's folder is searched for by its name or its
+    ``package.xml``, from the file's folder upwards, and by its name in AMENT_PREFIX_PATH.
 
     Args:
         path: the file, with any suffix.
@@ -47,8 +47,8 @@ def read_urdf(path: Path) -> mujoco.MjSpec | None:
         The model; None if the file is not a URDF.
 
     Raises:
-        TutorialError: it is a xacro file, or a mesh is missing or in a format that MuJoCo does not read.
-        ValueError: MuJoCo rejects it.
+        TutorialError: the file is a xacro file, or a mesh is missing or in a format that MuJoCo does not read.
+        ValueError: MuJoCo rejects the file.
     """
     robot = _parse(path)
     if robot is None:
@@ -87,7 +87,7 @@ def _parse(path: Path) -> Element | None:
 
 
 def _apply_settings(robot: Element) -> str | None:
-    """Put the settings into the robot's ``<mujoco>``. Return the mesh folder that it names, if any."""
+    """Add the settings to the robot's ``<mujoco>``. Return the mesh folder that it names, if any."""
     extension = robot.find("mujoco")
     extension = SubElement(robot, "mujoco") if extension is None else extension
     compiler = extension.find("compiler")
@@ -133,7 +133,7 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
 
 
 def _package_folders(package: str, folder: Path) -> Iterator[Path]:
-    """Yield the folders that a ROS package may have, for a file in a folder."""
+    """Yield the possible folders of a ROS package that a file in `folder` refers to."""
     for parent in (folder, *folder.parents):
         yield parent / package
         if f"<name>{package}</name>" in _read_text(parent / "package.xml"):
@@ -147,11 +147,11 @@ def _read_text(path: Path) -> str:
 
 
 def _is_file(path: Path) -> bool:
-    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for what cannot be a path
+    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for an invalid path
 
 
 def _drop_repeated_names(robot: Element) -> None:
-    """Keep each shape name only once: in URDF a visual and a collision may share a name, in MuJoCo they may not."""
+    """Keep each shape name only once: URDF allows a visual and a collision to share a name, MuJoCo doesn't."""
     taken = set[str]()
     for shape in (*robot.iterfind("link/visual"), *robot.iterfind("link/collision")):
         name = shape.attrib.pop("name", "")

@@ -49,7 +49,7 @@ class Command:
         return self._process.returncode
 
     async def says(self, text: str) -> None:
-        """Wait until the command has printed a text.
+        """Wait until the command has printed `text`.
 
         Raises:
             TutorialError: the command ended without printing it, or took too long.

@@ -57,7 +57,7 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
 
 
 def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Return the object registered under a name; if there is none, make one like `keep`."""
+    """Return the object registered under a name; if there is none, make one as `keep` does."""
     return _open[name][0] if name in _open else keep(name, make, close)
 
 
@@ -66,7 +66,7 @@ def close_all() -> None:
     for name in reversed(tuple(_open)):
         try:
             _close(name)
-        except Exception:  # noqa: BLE001 - the remaining ones still have to be closed
+        except Exception:  # noqa: BLE001 - the remaining objects still have to be closed
             _log.exception("%s could not be closed", name)
 
 

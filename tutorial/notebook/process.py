@@ -16,7 +16,7 @@ from IPython.core.getipython import get_ipython
 from tutorial.notebook.desk import close_all, logged
 from tutorial.ros.domains import reserved_domain
 
-FIRST_CONCURRENT = (7, 4)  # of ipykernel: the first version that handles comm messages while a cell runs
+FIRST_CONCURRENT = (7, 4)  # the first version of ipykernel that handles comm messages while a cell runs
 
 _until_exit = ExitStack()
 

@@ -29,7 +29,7 @@ T = TypeVar("T")
 LONG_REST = 0.05  # [s] between two batches of steps while the page is gone, to save processor time
 REST_AFTER = 300.0  # [s] without a page, after which a running simulation is paused
 RESTS = "paused at %.1f s, after %d min without a page: start() resumes it"
-LONGEST_PAUSE = 1.0  # [s] in a replay; longer pauses are only the user thinking between two cells
+LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, when the user is thinking between two cells
 
 
 class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an error
@@ -124,7 +124,7 @@ class Program:
         self._started_at = time.monotonic()
 
     def stop(self) -> None:
-        """Stop the simulation that `start` has started. Idempotent.
+        """Stop the simulation that `start` started. Idempotent.
 
         Raises:
             TutorialError: the program only displays.
@@ -133,7 +133,7 @@ class Program:
         self.simulation.stop()
 
     def advance(self, seconds: float) -> None:
-        """Stop a simulation in real time, and simulate as fast as the machine can.
+        """Stop a simulation that runs in real time, and simulate as fast as the machine can.
 
         Successive calls form one run: the controllers keep their state.
 

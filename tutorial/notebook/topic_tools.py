@@ -6,7 +6,7 @@ from tutorial.ros.topics import listening, listing
 from tutorial.system.printing import say, say_all
 
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
-REPORTS = 2  # that `topic_hz` prints
+REPORTS = 2  # the number of reports that `topic_hz` prints
 
 
 async def topic_list(show_types: bool = False) -> None:

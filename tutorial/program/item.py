@@ -13,9 +13,9 @@ from tutorial.model.couplings import not_computed
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and two queries of the publishers
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and between two queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position, after which a joint is shown as stale
-CONTESTED_FOR = 2.0  # [s] for which the line below the view names a rival after its last message
+CONTESTED_FOR = 2.0  # [s] after a rival's last message in which the line below the view still names it
 NAMED = 3  # stale joints or nodes; more are only counted
 LONGEST_NAME = 60  # characters of a node's name
 
@@ -98,8 +98,8 @@ class JointWatch:
         """Report whether no message has arrived, or none of the messages could be shown yet."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
-            return f"nothing of what has come on {topic} could be shown yet"
-        return f"nothing has come on {topic} yet"
+            return f"no message on {topic} could be shown yet"
+        return f"no message on {topic} yet"
 
     def _contested(self) -> str:
         """Name the publishers; empty if no rival's message has arrived for a while."""
@@ -111,7 +111,7 @@ class JointWatch:
         if missing and (kinds := not_computed(self._body.model)):
             _log.warning(
                 "%s: its model couples links by <%s>, which the view does not compute. "
-                "Joints that no message names stay where they are: %s",
+                "Joints that no message names keep their positions: %s",
                 *(self._body.name, ">, <".join(kinds), _some(sorted(map(repr, missing)))),
             )
 

@@ -87,8 +87,8 @@ class Project:
             path: the file; the paths of models are relative to its folder.
 
         Raises:
-            TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; names
-                the line and the fix.
+            TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; the
+                text names the line and the fix.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         items: dict[str, BodyItem] = {}
@@ -117,7 +117,7 @@ class Project:
         name = model.stem.capitalize()
         compose([Placement(name, model)])  # raises MuJoCo's error if the model does not load
         if unfit := _unfit(name):
-            raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
+            raise TutorialError(f"{model}: the body is named after the file, and {unfit}")
         swapped = replace(robots[0], placement=replace(robots[0].placement, name=name, model=model))
         return self._with(lambda item: swapped if item is robots[0] else item)
 
@@ -146,7 +146,7 @@ class Project:
             classes: the classes by name. Base classes of the others may have any name.
 
         Raises:
-            TutorialError: the project has no controller of that name; suggests the nearest name.
+            TutorialError: the project has no controller of that name; the text suggests the nearest name.
         """
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
@@ -187,7 +187,7 @@ def _fleet(item: BodyItem) -> tuple[object, ...]:
 
 
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
-    """Make the body or the fleet that one entry of a file describes, by name. Errors name the line."""
+    """Return the body or the fleet that one entry of a file describes, by name. Errors name the line."""
     at = partial(file.at, "bodies", index)
     with at("name"):
         if unfit := _unfit(body.name):

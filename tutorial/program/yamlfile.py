@@ -64,7 +64,7 @@ class YamlFile(Generic[T]):
         data: the file's content.
 
     Raises:
-        TutorialError: the file is missing, is not YAML, or does not fit the type; names the line and the fix.
+        TutorialError: the file is missing, is not YAML, or does not fit the type; the text names the line and the fix.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:
@@ -121,7 +121,7 @@ def _refusal(error: str, shape: type) -> tuple[list[str | int], str]:
     if problem.startswith("Object missing required field"):
         return where, f"{name!r} is missing here."
     if path.startswith("`key` in"):
-        return where, "a key here is not a text. Put it in quotes."
+        return where, "a key here is not a string. Put it in quotes."
     place = path.strip("`$.")
     words = re.sub(r"`(\w+)`", lambda found: WORDS.get(found[1], found[1]), problem)
     return where, f"{place}{': ' * bool(place)}{words[0].lower()}{words[1:]}."

@@ -28,7 +28,7 @@ from tutorial.trace import HandoffTrace
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two checks whether the thread should end
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about the same failure
-GONE_FOR_GOOD = 1000  # consecutive spins, about 0.1 s, that failed on a destroyed entity before that is reported
+GONE_FOR_GOOD = 1000  # consecutive spins, about 0.1 s, that have to fail on a destroyed entity before that is reported
 
 AnyNode = TypeVar("AnyNode", bound=Node)
 

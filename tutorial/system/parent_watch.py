@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-PATIENCE = 5.0  # [s] between asking and killing
+PATIENCE = 5.0  # [s] from asking the command to stop to killing it
 ASKING = {signal.SIGINT, signal.SIGTERM}
 OWN = str(Path(sys.executable).with_name("tank"))
 
@@ -55,7 +55,7 @@ def start_watched(
     """
     before = signal.pthread_sigmask(
         signal.SIG_BLOCK, ASKING
-    )  # a child inherits this mask, and unblocks when it is ready
+    )  # a child inherits this mask, and unblocks the signals when it is ready
     try:
         return subprocess.Popen(
             [sys.executable, "-S", "-I", __file__, *words],

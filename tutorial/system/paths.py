@@ -30,12 +30,12 @@ SHIPPED = PACKAGE / "_files"
 
 def is_file(path: Path) -> bool:
     """Return whether a path is a file. A user may have written it: one that is too long or malformed is not a file."""
-    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises for what cannot be a path
+    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for an invalid path
 
 
 def is_folder(path: Path) -> bool:
     """Return whether a path that a user may have written is a folder."""
-    return os.path.isdir(path)  # noqa: PTH112 - pathlib raises for what cannot be a path
+    return os.path.isdir(path)  # noqa: PTH112 - pathlib raises an error for an invalid path
 
 
 def find_home(start: Path) -> Path:
@@ -66,7 +66,7 @@ def find_project(given: str) -> Path:
     """Find a project file by its path, or by the name of a tutorial project, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such project; suggests the nearest name.
+        TutorialError: there is no such project; the text suggests the nearest name.
     """
     return _find(given, HOME / "project", ".yaml", "project")
 
@@ -75,7 +75,7 @@ def find_drive(given: str) -> Path:
     """Find a drive file by its path, or by the name of a tutorial drive, such as ``tour``.
 
     Raises:
-        TutorialError: there is no such drive; suggests the nearest name.
+        TutorialError: there is no such drive; the text suggests the nearest name.
     """
     return _find(given, HOME / "project" / "drives", ".yaml", "drive")
 
@@ -84,7 +84,7 @@ def find_launch_file(given: str) -> Path:
     """Find a launch file by its path, or by the name of a tutorial launch file, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such launch file; suggests the nearest name.
+        TutorialError: there is no such launch file; the text suggests the nearest name.
     """
     return _find(given, HOME / "launch_py", ".launch.py", "launch file")
 
@@ -93,7 +93,7 @@ def find_model(given: str) -> Path:
     """Find a model by its path, or by the name of a tutorial model, ``tank`` or, like the body, ``Tank``.
 
     Raises:
-        TutorialError: there is no such model; suggests the nearest name.
+        TutorialError: there is no such model; the text suggests the nearest name.
     """
     if given.lower().endswith((".xml", *OTHER_MODELS)) and is_file(Path(given)):
         return Path(given)
@@ -102,7 +102,7 @@ def find_model(given: str) -> Path:
 
 
 def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return an environment whose PATH has this Python's commands, such as ``tank``, even if it is not activated."""
+    """Return an environment whose PATH includes this Python's commands, such as ``tank``, activated or not."""
     commands = (str(Path(sys.executable).parent), environment.get("PATH", os.defpath))
     return {**environment, "PATH": os.pathsep.join(commands)}
 

@@ -81,7 +81,7 @@ class Arrow:
         self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
-        """Aim at the measured vector, from the sensor's current place.
+        """Aim at the measured vector, from the sensor's current position.
 
         Three zeros count as no measurement, because an accelerometer at rest measures 9.8. If a number is not finite,
         there is no arrow.
@@ -134,7 +134,7 @@ def arrows_of(root: str, model: mujoco.MjModel) -> Iterator[Arrow]:
     """Make arrows for a model's first accelerometer and its first gyroscope.
 
     Args:
-        root: the path above the arrows.
+        root: the arrows' parent path.
         model: the body's model.
     """
     types = model.sensor_type.tolist()

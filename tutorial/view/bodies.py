@@ -34,7 +34,7 @@ AXES = 0.3
 FLOOR = int(mujoco.mjtGeom.mjGEOM_PLANE)
 
 HEAD = ("", "", "x", "y", "z", "", "")
-"""The head of the table of sensor readings."""
+"""The header of the table of sensor readings."""
 
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
 
@@ -240,7 +240,7 @@ class View:
             self._set(f"/Lights/{name}", "visible", False)
         for name, light in LIGHTS.items():
             self._set_object(f"/Lights/{name}", light)
-        self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables it, but a sky casts none
+        self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables this, but a sky casts no shadow
         self._set("/Axes", "visible", False)
         self._draw_frame("", Frame(ODOM, 0, np.eye(4)), 1.0)
         self._set("/Grid", "position", [0, 0, 0.003])  # at height 0 it would flicker with a floor
@@ -272,7 +272,7 @@ class _Drawn:
 
 
 class _Poses:
-    """The last poses sent of one model's bodies."""
+    """The last poses that were sent for one model's bodies."""
 
     def __init__(self, paths: dict[int, str]) -> None:
         self._ids = np.array(list(paths), dtype=np.intp)

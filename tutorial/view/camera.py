@@ -35,7 +35,7 @@ class Camera:
     width: int
     height: int
     body: Body = field(repr=False)
-    number: int = field(repr=False)  # MuJoCo's, in the whole model
+    number: int = field(repr=False)  # MuJoCo's id, in the whole model
     renderer: CameraRenderer = field(repr=False)
 
     def capture(self, deliver: Callable[..., object], *args: object) -> None:

@@ -1,4 +1,4 @@
-"""Off-screen rendering with MuJoCo, by EGL on Linux and the system's OpenGL elsewhere."""
+"""Off-screen rendering with MuJoCo, using EGL on Linux and the system's OpenGL elsewhere."""
 
 import copy
 import importlib
@@ -22,7 +22,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
     """An off-screen OpenGL context for pictures of one model. It belongs to the thread that makes it.
 
     Args:
-        model: the model to render. The context uses a copy without shadows and antialiasing, the most expensive parts.
+        model: the model to render. The context uses a copy without shadows and antialiasing, which are expensive.
 
     Raises:
         Exception: rendering does not work on this machine.

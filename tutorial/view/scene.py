@@ -83,8 +83,8 @@ class Scene:
     """Keeps everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
 
     Use it on the thread that made it. Its size does not grow with time: of each object, transform and property it keeps
-    only the latest, in the order of the last change, which is all that determines the picture. A viewer's built-in
-    objects, such as its grid, can be hidden, but not deleted.
+    only the latest, in the order of the last change, because nothing else affects the picture. A viewer's
+    built-in objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
         catch_up: draws what was skipped while no sink was attached.

@@ -21,7 +21,7 @@ from tutorial.program.controller_files import find_controller, load_controllers
 from tutorial.ros.joy import joy_message
 
 TIME_STEP = 0.001  # [s]
-LONGEST_DEBT = 0.25  # [s] of real time to catch up at most, as in the course's simulation
+LONGEST_DEBT = 0.25  # [s] longest backlog of real time to catch up on, as in the course's simulation
 LONGEST_TURN = 0.03  # [s] of stepping before the page's messages get a turn
 
 
@@ -57,7 +57,7 @@ class Program:
             self._start(name, find_controller(name))
 
     def run(self, source: str) -> str:
-        """Replace the previous controller by the visitor's; return the error message, or "" if there is none."""
+        """Replace the previous controller with the visitor's; return the error message, or "" if there is none."""
         self._file.write_text(source)
         return self._attempt(self._replace)
 
@@ -66,7 +66,7 @@ class Program:
         return self._attempt(self._restart)
 
     def turn(self, now: float) -> Any:
-        """Run the callbacks and steps that are due at a time of the page [s].
+        """Run the callbacks and steps that are due at a time on the page's clock [s].
 
         Returns:
             The error message, the number of simulated steps, and each joint's name, position [rad] and effort [N.m].
@@ -88,7 +88,7 @@ class Program:
         self.step += 1
 
     def _attempt(self, do: Callable[..., None], *arguments: object) -> str:
-        """Call a function that runs controllers; return the error message in the course's words, and stop after it."""
+        """Call a function that runs controllers. After an error, stop, and return the message in the course's words."""
         self._has_failed, self._at_work = False, ""
         try:
             do(*arguments)
@@ -152,7 +152,7 @@ class Program:
             self._step(now)
 
     def _step(self, now: float) -> None:
-        """Step until simulated time has caught up with a time of the page [s], or `LONGEST_TURN` is over."""
+        """Step until simulated time has caught up with the page's clock [s], but for no longer than `LONGEST_TURN`."""
         self._started_at = max(self._started_at, now - self.step * TIME_STEP - LONGEST_DEBT)
         due = int((now - self._started_at) / TIME_STEP) - self.step
         self.state.look_up()

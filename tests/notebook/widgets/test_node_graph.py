@@ -70,9 +70,9 @@ def test_the_tutorials_chain_is_one_row():
 
 def test_shared_names_and_topics_with_one_side_only():
     root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
-    assert "2 nodes of one name" in places(root)
+    assert "2 nodes with the same name" in places(root)
     assert len(list(root.iter("ellipse"))) == 1
-    assert alt.startswith("Nodes: /tank (2 nodes of one name). ")
+    assert alt.startswith("Nodes: /tank (2 nodes with the same name). ")
     root, alt = drawn(topology("/a /<b>&", heard=("", "/a"), said=("/<b>&", "")))
     assert {"/heard", "/said", "/<b>&"} <= places(root).keys()
     assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /<b>& to nobody." in alt
@@ -192,7 +192,7 @@ async def test_the_graph_shows_rates_and_an_ended_one_keeps_its_picture(domain):
     assert alt.endswith(" Hz): from /simulation to /viewer. /joy: from nobody to /simulation.")
     await until(lambda: graph.alt == "there are no nodes yet")
     with NodeThread("tank"), NodeThread("tank"):
-        await until(lambda: "/tank (2 nodes of one name)" in graph.alt)
+        await until(lambda: "/tank (2 nodes with the same name)" in graph.alt)
         graph.end()
     graph.end()
     assert graph.ended

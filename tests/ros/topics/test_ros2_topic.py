@@ -121,7 +121,7 @@ class TestHz:
                 await anext(texts)  # the warning
                 yield await anext(texts)
 
-        said = "no message came on {} within 0.1 s; it has {}."
+        said = "no message arrived on {} within 0.1 s; it has {}."
         assert said.format("/never", "0 publishers") in refusal(watch())
         for look in (topic_hz, topic_echo):
             assert said.format("/joy", "1 publisher") in refusal(look(met, "/joy", timeout=0.1))

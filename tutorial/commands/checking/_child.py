@@ -27,7 +27,7 @@ UNDEFINED = "The answer probably depends on a cell that only works in a running 
 
 
 def main() -> NoReturn:
-    """Read a notebook or judge an answer, write the message, and exit at once so that no code of the answer runs."""
+    """Read a notebook or judge an answer, write the message, and exit before more code of the answer can run."""
     notebook, seconds, is_sandboxed, *exercise = sys.argv[1:]
     os.set_inheritable(int(notebook), False)
     report = os.dup(1)
@@ -46,7 +46,7 @@ def _end_with_the_teacher() -> None:
     """Wait until the teacher's process closes stdin or ends, and then end all processes here."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
-    os._exit(1)  # the sandbox's first process survives its own signal; its end ends all others
+    os._exit(1)  # the sandbox's first process survives its own signal; when it exits, the others end
 
 
 def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str]:

@@ -111,7 +111,7 @@ def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Ans
 
     Returns:
         An answer for each exercise that the notebook imports, checks or answers, in the order of the checks. If a check
-        is called several times, the last call with the answer's name counts or, without one, the last call.
+        is called several times, the last call with the answer's name counts, or the last call if none has it.
     """
     nodes: list[tuple[ast.stmt, str]] = []
     unreadable: dict[str, tuple[str, str]] = {}

@@ -50,7 +50,7 @@ def sandbox(folder: str) -> list[str]:
     shown = COURSE if is_course(PACKAGE.parent) else ()  # empty folders that mark a checkout
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
-    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # as root could write there
+    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could write there
     return [
         *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
@@ -103,7 +103,7 @@ def _readable() -> Iterator[str]:
     yield from SYSTEM
     named = (os.environ.get(name, "") for name in ("PYTHONPATH", "AMENT_PREFIX_PATH", "LD_LIBRARY_PATH"))
     entries = [*sys.path, *(entry for entries in named for entry in entries.split(os.pathsep))]
-    known = {os.path.abspath(entry) for entry in entries if entry}  # noqa: PTH100 - where a link leads is not its name
+    known = {os.path.abspath(entry) for entry in entries if entry}  # noqa: PTH100 - keep a link's own name
     yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # neither the course nor the current folder
     for own in (sys.prefix, sys.base_prefix, PACKAGE, PACKAGE.parent / "project"):
         yield str(own)

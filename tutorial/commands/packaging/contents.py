@@ -16,13 +16,13 @@ from tutorial.system.paths import HOME, PACKAGE, find_home
 
 TEMPLATES = Path(__file__).parent / "template"
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
-"""An email address that catkin_pkg accepts, the parser that colcon uses for package.xml."""
+"""An email address, as accepted by catkin_pkg, colcon's parser for package.xml."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 """An import statement, and the imported top-level module."""
 DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
 """rosdep's keys for modules whose package has a different name. Message modules are named after their packages."""
 NOBODY = ("Your Name", "you@example.com")
-"""A placeholder that the learner has to fill in."""
+"""A placeholder for the learner to replace."""
 
 
 def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple[dict[str, bytes], str]:

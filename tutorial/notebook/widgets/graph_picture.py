@@ -82,7 +82,9 @@ class _Shape:
 def _shapes(topology: Topology) -> dict[Vertex, _Shape]:
     shapes: dict[Vertex, _Shape] = {}
     for name, count in topology.nodes.items():
-        shapes["node", name] = _Shape(name, f"node {name}", f"{count} nodes of one name" if count > 1 else "", True)
+        shapes["node", name] = _Shape(
+            name, f"node {name}", f"{count} nodes with the same name" if count > 1 else "", True
+        )
     for name, news in topology.topics.items():
         shapes["topic", name] = _Shape(name, f"topic {name} of type {news.type_name}", _rate_text(news.rate), False)
     return shapes
@@ -127,7 +129,9 @@ def _rate_text(rate: float | None) -> str:
 
 def _words(topology: Topology) -> str:
     """Describe the graph: the nodes, then each topic with its publishers and subscribers."""
-    nodes = [name if count == 1 else f"{name} ({count} nodes of one name)" for name, count in topology.nodes.items()]
+    nodes = [
+        name if count == 1 else f"{name} ({count} nodes with the same name)" for name, count in topology.nodes.items()
+    ]
     said = [f"Nodes: {_listed(nodes)}."]
     for topic, news in topology.topics.items():
         rate = f" ({_rate_text(news.rate)})" if news.rate is not None else ""

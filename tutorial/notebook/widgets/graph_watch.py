@@ -17,9 +17,9 @@ from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, message_class
 
-MOST = 40  # limit of the nodes to show, and of the topics
-LOOKS_KEPT = 7  # counts of a topic that its rate is computed from
-DEPTH = 100  # messages that can wait for the executor before any are lost to the count
+MOST = 40  # the largest number of nodes, and of topics, to show
+LOOKS_KEPT = 7  # the number of counts that a topic's rate is computed from
+DEPTH = 100  # messages that can wait for the executor; if there are more, some are not counted
 
 
 @dataclass(frozen=True)

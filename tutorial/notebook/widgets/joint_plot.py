@@ -18,12 +18,12 @@ from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] that the plot covers
 DRAW_EVERY = 0.1  # [s] between two drawings, at least
-SHARE = 0.1  # of the main thread's time that drawing takes at most
+SHARE = 0.1  # the largest share of the main thread's time spent on drawing
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
-TOO_LARGE = 1e6  # [rad], infinity included
+TOO_LARGE = 1e6  # [rad]; larger positions, such as infinity, are not drawn
 LEAST_SPAN = 0.02  # [rad] smallest range of the y axis
-RESTART = 1.0  # [s] stamps that jump back further mean that the publisher restarted
+RESTART = 1.0  # [s]; a stamp that jumps back further means that the publisher restarted
 
 
 class _Sample(NamedTuple):

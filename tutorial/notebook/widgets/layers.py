@@ -14,7 +14,7 @@ Edge = tuple[Vertex, Vertex]
 Place = tuple[float, float]
 
 GAP = 44.0  # [px] between two layers, for the arrows
-ROW = 54.0  # [px] from one centre to the next below
+ROW = 54.0  # [px] between the centres of two shapes, one below the other
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from tutorial.notebook.widgets.graph_watch import GraphWatch, Topology
 from tutorial.notebook.widgets.picture import LivePicture
 
 LOOK_EVERY = 0.5  # [s]
-BREATH = 10  # the pause before the next look, as a multiple of how long the last one took
+BREATH = 10  # the pause before the next look, as a multiple of the last look's duration
 
 
 class NodeGraph(LivePicture):

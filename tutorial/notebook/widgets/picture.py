@@ -1,4 +1,4 @@
-"""Vector pictures in cells: static ones, and live ones that a node of their own updates."""
+"""Vector pictures in cells: static pictures, and live pictures that their own nodes update."""
 
 import traitlets
 

@@ -9,7 +9,7 @@ class SceneView(FrameWidget):
     """Shows a scene in any number of cells, on every page that has the notebook open.
 
     Make it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when that
-    thread is free; a page that already shows it receives what a busy cell flushes at once.
+    thread is free; a page that already shows it immediately receives what a busy cell flushes.
 
     Args:
         scene: the scene to show.

@@ -1,4 +1,4 @@
-"""SVG pictures in the colours of JupyterLab's theme, built from elements: this escapes every name in them."""
+"""SVG pictures in the colours of JupyterLab's theme, built from XML elements, which escape every name in them."""
 
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
@@ -86,7 +86,7 @@ def points_text(points: Iterable[tuple[float, float]]) -> str:
 
 
 def shorten(text: str, length: int) -> str:
-    """Replace the middle of a text by an ellipsis if it has more than `length` characters."""
+    """Replace the middle of a text with an ellipsis if it has more than `length` characters."""
     if len(text) <= length:
         return text
     end = (length - 1) // 2

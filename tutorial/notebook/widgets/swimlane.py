@@ -1,4 +1,4 @@
-"""A picture of the hand-off: each message's way between threads, which are drawn as lanes."""
+"""A picture of the hand-off: each message's path between threads, which are drawn as lanes."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -93,7 +93,7 @@ def _draw_callback(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
 
 
 def _draw_call(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
-    """Draw the way of a posted call to where it was applied, or halfway to a cross if a newer call superseded it."""
+    """Draw a posted call's path to where it was applied, or half the path and a cross if a newer call superseded it."""
     if handoff.posted is None:
         return
     start = lanes.place(handoff.posted)

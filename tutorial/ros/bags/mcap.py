@@ -111,7 +111,7 @@ class McapReader:
         self.channels: dict[int, Channel] = {}
         self._path = path
         self._say = say
-        self._types: dict[int, str] = {}  # names by schema id
+        self._types: dict[int, str] = {}  # type names by schema id
         self._end = path.stat().st_size  # where the records end
         with path.open("rb") as file:
             self._check_begin(file)
@@ -128,7 +128,7 @@ class McapReader:
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
         """Yield the messages of each chunk, except for chunks that end before a time [ns].
 
-        A message outside of a chunk is a batch of its own.
+        A message outside a chunk forms its own batch.
         """
         try:
             with self._path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Play a bag: publish its messages again, at the times when they were received."""
+"""Play a bag: publish its messages again, with their original timing."""
 
 import asyncio
 import heapq

@@ -22,7 +22,7 @@ UNFINISHED = {
 }
 """Suffixes of the files that SQLite keeps next to a database, and what to report if it cannot use them."""
 BATCH = 100  # messages per batch; also how far a message can be out of order
-UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, or by the text of SQLite's error
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, or by decoding SQLite's own error text
 
 
 class SqliteWriter:

@@ -22,7 +22,7 @@ from tutorial.ros.topics.message_yaml import field_text
 from tutorial.ros.topics.names import escape_name, full_topic, message_class
 
 LOOK_EVERY = 0.1  # [s] between two checks for a topic that does not exist yet
-HZ_EVERY = 1.0  # [s] between two texts of topic_hz
+HZ_EVERY = 1.0  # [s] between two reports of topic_hz
 DEFAULT_WINDOW = 10_000  # intervals, as in ros2 topic hz
 
 NO_TYPE = "Could not determine the type for the passed topic"
@@ -53,7 +53,7 @@ async def topic_echo(
         The text of a message, with the closing ``---``.
 
     Raises:
-        TutorialError: the topic or the field is unknown, in the words of ``ros2``; or no message came in time.
+        TutorialError: the topic or the field is unknown, in the words of ``ros2``; or no message arrived in time.
     """
     topic = await _known(node, topic)
     type_name = _type_of(node, topic)
@@ -83,7 +83,7 @@ async def topic_hz(
         About once a second: the average rate [Hz], and the extremes and standard deviation of the intervals [s].
 
     Raises:
-        TutorialError: no message came in time.
+        TutorialError: no message arrived in time.
     """
     topic = await _known(node, topic)
     if _type_of(node, topic) is None:
@@ -120,7 +120,7 @@ async def _messages(
         times_only: yield None instead of each message, and don't decode it; the queue holds up to 10,000 of them.
 
     Raises:
-        TutorialError: no message came in time.
+        TutorialError: no message arrived in time.
     """
     received: deque[tuple[float, Any]] = deque(maxlen=DEFAULT_WINDOW if times_only else 100)
     news = asyncio.Event()
@@ -151,7 +151,7 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
     """Limit a wait for a message to a timeout [s]; None sets no limit.
 
     Raises:
-        TutorialError: no message came in time.
+        TutorialError: no message arrived in time.
     """
     try:
         async with asyncio.timeout(timeout):
@@ -159,7 +159,7 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
     except TimeoutError:
         count = node.count_publishers(topic)
         raise TutorialError(
-            f"no message came on {topic} within {timeout:g} s; it has {count} "
+            f"no message arrived on {topic} within {timeout:g} s; it has {count} "
             f"publisher{'s' if count != 1 else ''}. Start the program that publishes it, or wait longer."
         ) from None
 

@@ -17,8 +17,8 @@ from tutorial.ros.topics.populate import Populated
 
 DEPTH = 10  # of the queue, as in rclpy's default profile
 LOOK_EVERY = 0.1  # [s] between two checks for subscriptions
-TELL_EVERY = 10  # checks between two texts that say it is waiting
-KEEP_ALIVE = 0.1  # [s] after the last message, as in ros2
+TELL_EVERY = 10  # checks between two messages about waiting
+KEEP_ALIVE = 0.1  # [s] that the publisher lives after its last message, as in ros2
 ACKNOWLEDGED_IN = 1.0  # [s], maximum
 
 

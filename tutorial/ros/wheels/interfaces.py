@@ -39,7 +39,7 @@ def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
 
     Args:
         source: the package's folder.
-        prefix: the complete folder of the real ROS 2.
+        prefix: the folder of the real ROS 2, which must be complete.
         report: called repeatedly with the progress.
 
     Raises:
@@ -58,7 +58,7 @@ def build_tf2_msgs(prefix: Path, report: Report) -> None:
     """Build tf2_msgs if it is missing and this machine can build it. Releases include it as a wheel.
 
     Args:
-        prefix: the complete folder of the real ROS 2.
+        prefix: the folder of the real ROS 2, which must be complete.
         report: called repeatedly with the progress.
 
     Raises:

@@ -1,8 +1,8 @@
 """Replace Cyclone DDS in the browser: carry messages between the programs of one page.
 
-This package has only those parts of Cyclone DDS that the pocket ROS 2 uses; ``qos`` and ``idl`` are Cyclone DDS's own
-Python modules. A published message reaches the readers in the same program at once, as CDR bytes, and `Wire` passes it
-on to the page's other programs. No message leaves the page.
+This package contains only the parts of Cyclone DDS that the pocket ROS 2 uses; ``qos`` and ``idl`` are Cyclone DDS's
+own Python modules. A published message reaches the readers in the same program at once, as CDR bytes, and `Wire`
+passes it on to the page's other programs. No message leaves the page.
 """
 
 import copyreg
@@ -22,7 +22,7 @@ for module in ("core", "domain", "pub", "sub", "topic"):
     sys.modules[f"{__name__}.{module}"] = sys.modules[__name__]  # this module replaces all of these
 
 FITS, DURABILITY, DEADLINE, LIVELINESS, RELIABILITY, ANOTHER_TYPE = 0, 2, 4, 8, 11, 24
-"""DDS's numbers for the reason that two endpoints don't match; `FITS` means that they do."""
+"""DDS's numbers for the reason why two endpoints don't match; `FITS` means that they do."""
 
 copyreg.pickle(Qos, lambda policies: (Qos.fromdict, (policies.asdict(),)))
 
@@ -83,7 +83,7 @@ class Wire:
         return [each for participant in participants for each in getattr(participant, what)]
 
     def hear(self, program: str, described: Any) -> None:
-        """Store an announcement that a different program made with `tell`."""
+        """Store an announcement from another program's `tell`."""
         self.others[program] = pickle.loads(described)
         self._compare()
 
@@ -113,7 +113,7 @@ wires: dict[int, Wire] = defaultdict(Wire)
 
 
 class Participant(Entity):
-    """A domain, and a participant in it, with its endpoints, and its nodes as `Graph` describes them."""
+    """A participant in a domain, with its endpoints, and its nodes as `Graph` describes them."""
 
     TOLD = ("endpoints", "nodes")
 
@@ -142,7 +142,8 @@ class Endpoint(Entity):
     """Base class of writers and readers.
 
     Attributes:
-        partners: for each endpoint at the other end of its topic, by identifier, why the two don't match, or `FITS`.
+        partners: maps each endpoint at the other end of its topic, by identifier, to the reason why the two don't
+            match, or to `FITS`.
     """
 
     TOLD = ("guid", "is_writer", "topic_name", "type_name", "qos")
@@ -164,7 +165,7 @@ class Endpoint(Entity):
             self.owner.wire.tell()
 
     def misfit(self, other: Any) -> int:
-        """Return DDS's number for the reason that it does not match a partner, or `FITS`."""
+        """Return DDS's number for the reason why it does not match a partner, or `FITS`."""
         writer, reader = (self, other) if self.is_writer else (other, self)
         if other.type_name != self.type_name:
             return ANOTHER_TYPE

@@ -9,7 +9,7 @@ from types import FrameType
 from typing import Any
 
 TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
-"""Packages of ROS 2 Jazzy that are missing here, and missing modules and names of packages that are partly here."""
+"""Packages of ROS 2 Jazzy that are missing here, and modules and names missing from packages that are partly here."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
 """Packages of a real ROS 2 that PyPI has, too, besides message packages."""

@@ -16,7 +16,7 @@ class ExecuteProcess:
 
     Attributes:
         cmd: the program and its arguments.
-        name: the process's name in output.
+        name: the process's name in the output.
         cwd: directory to start in.
         env: the complete environment; None inherits it.
         additional_env: variables to add to the environment.

@@ -29,7 +29,7 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
 PUBLISHERS, SUBSCRIPTIONS = builtin.BuiltinTopicDcpsPublication, builtin.BuiltinTopicDcpsSubscription
 MANY = 4096
-"""Maximum number of endpoints in one read; there are never so many."""
+"""Maximum number of endpoints in one read; there are never that many."""
 AT_ONCE = 256
 """Maximum number of announcements to take at once, so that a constant stream of them cannot block the caller."""
 LONGEST = 32_768
@@ -197,7 +197,7 @@ class Graph:
         Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader lives only during the call,
         because endpoints that are gone would pile up in it. The lock allows one call at a time in the whole process,
         also because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would
-        convert the policies of all entries, and replace Ctrl-C by an exception of its own.
+        convert the policies of all entries, and replace Ctrl-C with an exception of its own.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()

@@ -124,7 +124,7 @@ class Context:
                 callback()
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Call a function on shutdown, or immediately if that is past; a method only while its object exists.
+        """Call a function on shutdown, or immediately if that is over; a method only while its object still exists.
 
         Raises:
             TypeError: the callback is not callable.
@@ -201,7 +201,7 @@ os.register_at_fork(after_in_child=_forget_all)
 def _shut_down_all() -> None:
     """Leave all domains when the interpreter exits, so that others notice at once.
 
-    Threads that still run are daemons that are about to be stopped. Don't report that they meet a closed context first.
+    Threads that still run are daemons, about to be stopped. Don't report that the context is closed for them first.
     """
     report = threading.excepthook
 

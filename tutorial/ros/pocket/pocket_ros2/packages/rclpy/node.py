@@ -338,7 +338,7 @@ class Node(NodeGraph, NodeParameters):
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
-        """Turn an error in creating an entity into rclpy's, also if the node or context was closed in the meantime."""
+        """Convert an error in creating an entity to rclpy's, even if the node or context was closed in the meantime."""
         self._require_context(what)
         try:
             yield
@@ -398,7 +398,7 @@ class Node(NodeGraph, NodeParameters):
         self._clock.set_ros_time_override(Time.from_msg(message.clock))
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
-        """Publish a log line on ``/rosout``. Called by the logger, so a concurrent shutdown must not raise."""
+        """Publish a log line on ``/rosout``. Called by the logger, so a shutdown meanwhile is not an error."""
         rosout = self._rosout
         if rosout is None or not self._context.ok():
             return
