@@ -178,7 +178,7 @@ class Editor {
   }
 }
 
-/** The topics on the page's wire, with their numbers of messages a second. */
+/** The topics on the page's wire, with their message rates. */
 class Topics {
   constructor(node, wireName) {
     Object.assign(this, {node, counts: new Map(), since: performance.now(), channel: new BroadcastChannel(wireName)});
@@ -239,7 +239,7 @@ class Drive {
     setInterval(() => this.figures(), 1000);
   }
 
-  /** Replace the button by the page's parts. */
+  /** Replace the button with the page's parts. */
   build(scenes) {
     const {root, programs} = this;
     root.replaceChildren(document.getElementById("drive-parts").content);
@@ -270,7 +270,7 @@ class Drive {
     if (document.activeElement !== this.editor.text) this.focusSticks();
   }
 
-  /** Let the keys drive. */
+  /** Drive with the keys. */
   focusSticks() {
     this.sticks.firstElementChild.focus({preventScroll: true});
   }
