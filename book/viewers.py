@@ -49,7 +49,7 @@ class TankTutorial(Viewer):
 
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
         super().__init__(ranges)
-        self._publishers = {"publish"}  # known from the node graph
+        self._publishers = {"publish"}  # the publishers in the node graph
         self._matcher = JointMatcher(ranges, lambda: len(self._publishers))
 
     def take(self, message: Any, publisher: str = "publish") -> bool:

@@ -6,7 +6,7 @@ import signal
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command handles Ctrl-C, it ends the process without a traceback
 signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # `parent_watch` starts its command with SIGINT blocked
 
-gc.disable()  # imports create almost no garbage, so collecting it would only cost time
+gc.disable()  # imports create no garbage worth collecting
 from tutorial.commands.tank import main  # noqa: E402 - this takes a moment, and Ctrl-C may come before it ends
 
 gc.freeze()

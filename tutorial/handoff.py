@@ -145,7 +145,7 @@ class CallQueue:
                 if call is None:
                     break
                 call.run()
-        finally:  # also after a KeyboardInterrupt: in a notebook, the loop and the waiting calls go on
+        finally:  # even after a KeyboardInterrupt, because a notebook's loop continues, with the waiting calls
             with self._lock:
                 self._awake = False
                 if self._waiting:

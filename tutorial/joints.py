@@ -26,8 +26,8 @@ SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precisio
 SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 COUNT_EVERY = 10  # messages between two counts of the publishers
-SILENT_AFTER = 25  # messages in a row, per rival, that mean that the followed publisher is silent
-SHARED = 60  # jumps of a joint back to its position before last that mean that two publishers share it
+SILENT_AFTER = 25  # messages in a row, per rival, after which the followed publisher counts as silent
+SHARED = 60  # jumps of a joint back to its position before last, after which it counts as shared
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -46,7 +46,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     names, positions = message.name, message.position
     known = [(name, position) for name, position in zip(names, positions) if name in ranges]
     usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # excludes NaN; the last wins
-    received = dict(known) | usable  # in the message's order; unusable numbers only for joints without a usable one
+    received = dict(known) | usable  # in the message's order; an unusable number stays only if there is no usable one
     shown = {joint: position for joint, position in received.items() if joint in usable}
     strange, named = [name for name in names if name not in ranges], Counter(name for name, _ in known)
     limits = {joint: _with_slack(ranges[joint]) for joint in shown}
@@ -158,11 +158,8 @@ class JointMatcher:
     def __init__(self, joints: Ranges | Iterable[str], publishers: Callable[[], int] = lambda: 1) -> None:
         self._ranges = dict(_ranges(joints))
         self._publishers = _Publishers(self._ranges, publishers)
-        self._tracks: dict[str, _Track] = {}  # by joint, from the first message that moves it
-        self._last, self._plan = (
-            _Track({}, -inf),
-            _Plan(),
-        )  # of the last message: the joints it moved, and its plan
+        self._tracks: dict[str, _Track] = {}  # the tracks by joint, once a message has moved it
+        self._last, self._plan = _Track({}, -inf), _Plan()  # the joints that the last message moved, and its plan
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
         """Match the next message like `match_joints`, but look the names up only if they have changed."""
@@ -203,7 +200,7 @@ class JointMatcher:
 class _Track:
     """Joints that were last moved by the same message. The usual next message updates the track in place."""
 
-    positions: Mapping[str, float]  # in that message; some of these joints may have moved since
+    positions: Mapping[str, float]  # the positions in that message; some of these joints may have moved since
     stamp_ns: float
     dropped: int = 0  # rivals' messages in a row since then
 
@@ -255,7 +252,7 @@ class _Publishers:
         if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead, rivals):
             return Arrival.NEXT
         track.dropped += 1
-        silent = track.dropped >= SILENT_AFTER * rivals  # at once if no rival is left
+        silent = track.dropped >= SILENT_AFTER * rivals  # true at once if no rival is left
         self._elsewhere |= {joint: track.positions.get(joint, inf) for joint in positions} if silent else positions
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
@@ -281,7 +278,7 @@ class _Plan(NamedTuple):
     names: Sequence[str] = ()
     length: int = 0  # the number of positions
     places: tuple[tuple[str, int, float, float], ...] = ()  # joint, index, and finite range with slack
-    report: JointReport = JointReport()  # if every position is within its range
+    report: JointReport = JointReport()  # the report for positions that are all within their ranges
 
     @classmethod
     def of(cls, ranges: Ranges, message: JointState, report: JointReport) -> _Plan:

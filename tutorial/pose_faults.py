@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 LARGEST = 100_000  # numbers and characters in one joint state message: more than any robot needs
 FARTHEST = 1e9  # [m]; views draw in single precision, which still holds its square
-TOLERANCE = 0.01  # for the squared length of a unit quaternion
+TOLERANCE = 0.01  # tolerance of a unit quaternion's squared length
 QUIET = 50  # messages left out silently at the start, because the viewer matches one topic before the other
 
 

@@ -15,15 +15,13 @@ from tutorial.handoff import Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
-SWITCH_INTERVAL = (
-    0.0002  # [s]; with Python's 0.005, a busy cell would starve a thread that wakes a thousand times a second
-)
+SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005, a busy cell starves a thread that wakes a thousand times a second
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
-LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up on; it skips the rest
+LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
 REPORT_EVERY = 5.0  # [s] between two warnings that the machine can't keep up
 STUCK = 3.0  # [s] that a caller waits for controllers to return
-SLOW = 0.95  # of real time; below that, the machine can't keep up
+SLOW = 0.95  # fraction of real time; if it is lower, the machine can't keep up
 
 _log = logging.getLogger(__name__)
 

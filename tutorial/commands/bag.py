@@ -99,7 +99,7 @@ def info(bag: Path) -> None:
     "--clock",
     type=Finite(
         min=0, min_open=True, max=1000
-    ),  # a simulation's step rate; at much higher rates, messages would never get their turn
+    ),  # a simulation's step rate; much higher rates would starve the messages
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     Done = dict[Path, dict[str, Judged]]
 
-TOGETHER = 2  # notebooks at a time
-LIMIT = 60.0  # [s] per answer
+TOGETHER = 2  # number of notebooks that are judged at a time
+LIMIT = 60.0  # [s] time limit for each answer
 
 
 @click.command(short_help="Check the answers in learners' notebooks.")

@@ -30,8 +30,8 @@ from tutorial.ros.wheels.folder import RANGE
 from tutorial.system.printing import say
 
 WIDTH = 100  # columns, including 20 for subject and level
-PATIENCE = 45  # [s] to wait for an answer: a loaded machine is slow to import
-FIRST_LOOK = 4.0  # [s] before the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
+PATIENCE = 45  # [s] the longest wait for an answer: a loaded machine is slow to import
+FIRST_LOOK = 4.0  # [s] until the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
 
 PIP = "python -m pip install"
 SETUP = "/opt/ros/jazzy/setup.bash"

@@ -58,7 +58,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         arguments: further arguments for JupyterLab, which override the settings made here.
         course: the course folder, which becomes JupyterLab's root.
     """
-    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # a terminal has both
+    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # terminals set both
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",

@@ -121,7 +121,7 @@ class Launcher:
             environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
             command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
             self._running[name] = started = parent_watch.start_watched(command, environment, process.cwd)
-        except (OSError, TypeError, ValueError) as error:  # the last two: invalid arguments
+        except (OSError, TypeError, ValueError) as error:  # the last two are raised for invalid arguments
             raise TutorialError(f"{name} could not be started: {error}") from error
         reader = threading.Thread(target=self._follow, args=(name, started), daemon=True)
         self._readers.append(reader)
@@ -163,7 +163,7 @@ class Launcher:
         try:
             self._output.write(f"{datetime.now():%H:%M:%S} {name:{self._width}} | {line}\n")
             self._output.flush()
-        except BrokenPipeError:  # the reader is gone, as with head
+        except BrokenPipeError:  # the reader is gone, for instance head
             self._stop.set()
 
 

@@ -56,9 +56,9 @@ class _Writer:
         self.body = body
         self.model = body.model
         self.robot = Element("robot", name=body.name)
-        self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's body id
+        self.links = {WORLD: self._add_link(ROOT)}  # the links by MuJoCo's body id
         names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
-        self.published = frozenset(body.joint_names)  # the joints in joint states
+        self.published = frozenset(body.joint_names)  # the joints that joint states contain
         self.mimics = self._mimics()
         self.moving = self.published.union(self._joint_name(each) for each in self.mimics)
         self.names = {"link": {ROOT, *names}, "joint": set(self.moving)}

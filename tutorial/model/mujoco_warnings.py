@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 WARN_EVERY = 5.0  # [s] between two log lines
 AFTER_WARNING = {
     " in CTRL at ": "All controls count as 0 until each is a number again.",
-    " in Q": "The simulated world is reset to its initial state.",  # in QPOS, QVEL or QACC
+    " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
 }
 """What MuJoCo does after a warning, which its text does not mention."""
 

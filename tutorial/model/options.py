@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 TIME_STEP = 0.001  # [s]
-GRAVITY = (0.0, 0.0, -9.80665)  # [m/s^2] the original's
+GRAVITY = (0.0, 0.0, -9.80665)  # [m/s^2] as in the original
 
 OPTIONS = (
     *("timestep", "impratio", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance"),

@@ -14,7 +14,7 @@ from tutorial.system import parent_watch
 from tutorial.system.paths import HOME, with_own_commands
 
 PATIENCE = 5.0  # [s] from asking a command to stop to killing it
-LONGEST = 120.0  # [s] to wait for a command that ends by itself
+LONGEST = 120.0  # [s] the longest wait for a command that ends by itself
 LINES_KEPT = 1000
 
 

@@ -15,7 +15,7 @@ from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and between two queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position, after which a joint is shown as stale
-CONTESTED_FOR = 2.0  # [s] after a rival's last message in which the line below the view still names it
+CONTESTED_FOR = 2.0  # [s] how long the line below the view names a rival after its last message
 NAMED = 3  # stale joints or nodes; more are only counted
 LONGEST_NAME = 60  # characters of a node's name
 

@@ -73,7 +73,7 @@ def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, di
     for item in items:
         applied.update({meter.topic: item.joints.applied for meter in item.joints.meters})
     topics: dict[str, dict[str, Any]] = {}
-    for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # published before received
+    for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # sorts published first
         record = topics.setdefault(topic, {"type": same[0].type_name})
         record[direction] = sum(meter.count for meter in same)
         if direction == "received" and topic in applied:

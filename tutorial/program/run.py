@@ -9,7 +9,7 @@ from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
 FRAME = 1 / 30  # [s] between two frames of the view, and between two checks whether a run is over
-HUNG = 5.0  # [s] without a step, after which a run that has a duration is stopped
+HUNG = 5.0  # [s] without a step, after which a run with a duration is stopped
 QUIET = 0.3  # [s] of silence after which no more messages are expected
 
 _log = logging.getLogger(__name__)
@@ -26,7 +26,7 @@ class SimulatedRun:
 
     simulation: Simulation
     has_duration: bool
-    _step: int = 0  # at the last call of `is_over`
+    _step: int = 0  # the step at the last call of `is_over`
     _still: int = 0  # frames without a step; not seconds, which also pass while the whole process sleeps
 
     def is_over(self) -> bool:

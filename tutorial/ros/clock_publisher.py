@@ -7,7 +7,7 @@ from rosgraph_msgs.msg import Clock
 from tutorial.controller import ControllerIO, SimpleController
 
 CLOCK_TOPIC = "/clock"
-RATE = 100  # [Hz], minimum, in simulated time
+RATE = 100  # [Hz] the minimum rate in simulated time
 
 
 class ClockPublisher(SimpleController):

@@ -55,7 +55,7 @@ def start_watched(
     """
     before = signal.pthread_sigmask(
         signal.SIG_BLOCK, ASKING
-    )  # a child inherits this mask, and unblocks the signals when it is ready
+    )  # a child inherits this, and unblocks them when it is ready
     try:
         return subprocess.Popen(
             [sys.executable, "-S", "-I", __file__, *words],

@@ -74,7 +74,7 @@ class Arrow:
         takes_off_gravity = model.sensor_type[sensor] == mujoco.mjtSensor.mjSENS_ACCELEROMETER
         self._gravity: NDArray[np.float64] = model.opt.gravity * takes_off_gravity
         self._measured: NDArray[np.float64] = np.zeros(3)
-        self._target: NDArray[np.float64] = np.zeros(3)  # in the world frame and the unit
+        self._target: NDArray[np.float64] = np.zeros(3)  # the measured vector, in the world frame
         self._shown: NDArray[np.float64] = np.zeros(3)
         self._origin: NDArray[np.float64] = np.zeros(3)
         self._sent: Matrix | None = None

@@ -16,7 +16,7 @@ from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, mend
 
-PATIENCE = 30.0  # [s] to wait for a picture in lockstep, including the start of OpenGL for the first one
+PATIENCE = 30.0  # [s] the longest wait for a picture in lockstep; the first picture also starts OpenGL
 UNSET = (1, 1)  # [px] MuJoCo's resolution of a camera that sets none
 NO_PICTURES = "cameras take no pictures, but everything else works: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
@@ -74,8 +74,8 @@ class _Request:
 class CameraRenderer:
     """Renders the cameras of one simulated world, on a thread that starts with the first picture.
 
-    Each picture is rendered from a copy of the state, so the simulation goes on meanwhile. If rendering fails, one log
-    line says so, and no pictures are delivered.
+    Each picture is rendered from a copy of the state, so the simulation continues during rendering. If rendering
+    fails, one log line reports it, and no pictures are delivered.
 
     Attributes:
         error: the last exception that a receiver of pictures raised; None without one.

@@ -22,7 +22,7 @@ class Paint:
     """
 
     def __init__(self, name: str, model: mujoco.MjModel, geoms: dict[int, str]) -> None:
-        self._geoms: list[tuple[frozenset[str], str, list[float]]] = []  # joints, path, own colour
+        self._geoms: list[tuple[frozenset[str], str, list[float]]] = []  # each geom's joints, path and colour
         self._stale: frozenset[str] = frozenset()
         for geom, path in geoms.items():
             joints = frozenset(joint.removeprefix(f"{name}/") for joint in _moved_by(model, geom))

@@ -114,7 +114,7 @@ class Scene:
         self._guard.check("Scene.send_message")
         kind, path = message["type"], message["path"]
         if kind == "set_object":
-            path = f"{path}/<object>"  # as the viewer calls it
+            path = f"{path}/<object>"  # the viewer's name for the object
         key = (kind, path, message.get("property", ""))
         if kind == "delete" or (kind == "set_object" and key in self._kept):
             self._forget(path)  # and its properties, which a new object does not inherit

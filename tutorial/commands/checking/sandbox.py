@@ -104,6 +104,6 @@ def _readable() -> Iterator[str]:
     named = (os.environ.get(name, "") for name in ("PYTHONPATH", "AMENT_PREFIX_PATH", "LD_LIBRARY_PATH"))
     entries = [*sys.path, *(entry for entries in named for entry in entries.split(os.pathsep))]
     known = {os.path.abspath(entry) for entry in entries if entry}  # noqa: PTH100 - keep a link's own name
-    yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # neither the course nor the current folder
+    yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # without the course and the current folder
     for own in (sys.prefix, sys.base_prefix, PACKAGE, PACKAGE.parent / "project"):
         yield str(own)

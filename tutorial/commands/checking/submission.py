@@ -19,7 +19,7 @@ from tutorial.commands.checking.sandbox import sandbox
 from tutorial.system.parent_watch import signal_group
 from tutorial.system.paths import PACKAGE
 
-LARGEST = 50 << 20  # bytes of a notebook
+LARGEST = 50 << 20  # maximum size of a notebook in bytes
 OUTLAST = 4  # limit of processor time, as a multiple of the time limit, for answers with several threads
 MEMORY = 8 << 30  # bytes of address space of all of an answer's processes together, including shared memory
 LOOK = 0.1  # [s] between two checks of the memory

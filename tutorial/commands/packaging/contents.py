@@ -22,7 +22,7 @@ IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
 """rosdep's keys for modules whose package has a different name. Message modules are named after their packages."""
 NOBODY = ("Your Name", "you@example.com")
-"""A placeholder for the learner to replace."""
+"""The placeholder for a maintainer, which the learner has to replace."""
 
 
 def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple[dict[str, bytes], str]:

@@ -12,9 +12,9 @@ from tutorial.notebook.widgets import svg
 Point = tuple[float, float]
 
 WIDTH, HEIGHT = 560, 240  # [px]
-LEFT, TOP, RIGHT, BOTTOM = 54, 34, WIDTH - 12, HEIGHT - 38  # [px] of the plot area
+LEFT, TOP, RIGHT, BOTTOM = 54, 34, WIDTH - 12, HEIGHT - 38  # [px] edges of the plot area
 WIDEST = 800  # [px]; a plot grows with its cell up to this width
-MARGIN = 0.08  # above and below the curves, relative to their height
+MARGIN = 0.08  # margin above and below the curves, relative to their height
 MOST_CURVES = len(svg.SERIES)
 MOST_PIECES = 100  # per curve
 POINTS_DRAWN = 1200  # per curve

@@ -11,7 +11,7 @@ from tutorial.notebook.widgets.graph_watch import Topology
 from tutorial.notebook.widgets.layers import Edge, Layout, Place, Vertex, lay_out
 
 MARGIN = 8.0  # [px]
-HEIGHT = 42.0  # [px] of nodes and topics
+HEIGHT = 42.0  # [px] height of nodes and topics
 LONGEST_NAME = 30  # characters
 CHARACTER = 7.3  # [px] approximate width in the code font
 TWIN = 8.0  # [px] below the middle, where arrows to the left begin and end

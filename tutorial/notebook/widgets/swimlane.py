@@ -13,7 +13,7 @@ from tutorial.trace import Handoff, Moment
 WIDTH = 760  # [px]
 LEFT, RIGHT = 118, WIDTH - 24  # [px] ends of the time axis
 FIRST_LANE, LANE = 62, 92  # [px] y of the first lane, and the distance between lanes
-RADIUS = 4  # [px] of a dot
+RADIUS = 4  # [px] radius of a dot
 
 
 def swimlane(program: Program, count: int = 8) -> Picture:

@@ -112,7 +112,7 @@ class McapReader:
         self._path = path
         self._say = say
         self._types: dict[int, str] = {}  # type names by schema id
-        self._end = path.stat().st_size  # where the records end
+        self._end = path.stat().st_size  # the end of the records
         with path.open("rb") as file:
             self._check_begin(file)
             end = file.seek(self._end - len(MCAP0_MAGIC))

@@ -26,8 +26,8 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 LOOK_EVERY = 0.1  # [s] between two checks for new topics and received messages
 QUIET = 0.1  # [s] of silence before the recorder stops expecting messages
 FLUSH_EVERY = 1.0  # [s]; a killed recording lacks this much at its end
-DEPTH = 1000  # of the subscriptions; the publishers' own depth can be too small while Python is busy
-MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] of messages that wait to be written
+DEPTH = 1000  # depth of the subscriptions; the publishers' can be too small while Python is busy
+MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum size of the messages that wait to be written
 
 _log = logging.getLogger(__name__)
 
@@ -168,8 +168,8 @@ class Recorder:
                         _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
         except OSError as error:
             self._fail(error)
-        except (RuntimeError, UnicodeDecodeError):  # the node is destroyed, or a real rclpy has met
-            return  # a name that is not UTF-8
+        except (RuntimeError, UnicodeDecodeError):  # the node is destroyed, or a name is not UTF-8,
+            return  # which a real rclpy cannot handle
 
     def _subscribe(self, topic: str, types: list[str]) -> None:
         """Record a topic if it has a publisher.

@@ -16,7 +16,7 @@ WRITERS: dict[str, tuple[str, type[McapWriter | SqliteWriter]]] = {
     "mcap": (".mcap", McapWriter),
     "sqlite3": (".db3", SqliteWriter),
 }
-VERSION = 9  # of the metadata format in Jazzy
+VERSION = 9  # version of the metadata format in Jazzy
 
 
 class BagWriter:

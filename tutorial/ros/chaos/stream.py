@@ -13,7 +13,7 @@ from tutorial.ros.chaos.faults import Chaos, set_stamp_ns
 JOINTS = ("TURRET_Y", "TURRET_P")
 RATE = 50  # [Hz]
 TOPIC = "/Tank/joint_state"
-DEPTH = 100  # holds a burst
+DEPTH = 100  # enough for a burst
 
 
 def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:

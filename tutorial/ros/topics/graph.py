@@ -87,7 +87,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while one has an empty name
         snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
-    with suppress(UnicodeDecodeError):  # and no topics while one name is not UTF-8
+    with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while one name is not UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):

@@ -47,7 +47,7 @@ def is_valid_topic(name: str) -> bool:
 
     try:
         return bool(validate_full_topic_name(name))
-    except (NameValidationException, ValueError, TypeError):  # the last two: a lone surrogate
+    except (NameValidationException, ValueError, TypeError):  # the last two are raised for a lone surrogate
         return False
 
 

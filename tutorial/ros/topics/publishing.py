@@ -15,7 +15,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import full_topic
 from tutorial.ros.topics.populate import Populated
 
-DEPTH = 10  # of the queue, as in rclpy's default profile
+DEPTH = 10  # depth of the queue, as in rclpy's default profile
 LOOK_EVERY = 0.1  # [s] between two checks for subscriptions
 TELL_EVERY = 10  # checks between two messages about waiting
 KEEP_ALIVE = 0.1  # [s] that the publisher lives after its last message, as in ros2

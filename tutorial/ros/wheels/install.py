@@ -18,7 +18,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.wheels import folder
 from tutorial.system.parent_watch import start_watched
 
-NEEDED = "450 MB"  # of disk while the wheels are unpacked
+NEEDED = "450 MB"  # disk space while the wheels are unpacked
 DISK_FULL = "No space left on device"
 AGAIN = "Try again: finished downloads are kept."
 

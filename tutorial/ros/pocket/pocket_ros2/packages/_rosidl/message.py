@@ -134,7 +134,7 @@ def _add_field(cls: type[Message], field: Field) -> Slot:
     def assign(self: Message, value: Any) -> None:
         if self._check_fields:
             check(value)
-        if kept and not (self._check_fields and isinstance(value, kept.kind)):  # no copy if checked
+        if kept and not (self._check_fields and isinstance(value, kept.kind)):  # checked values are not copied
             value = kept.make(value)
         slot.__set__(self, value)
 

@@ -86,7 +86,7 @@ class Endpoint(Destroyable):
 
     def report_events(self) -> None:
         """Log an incompatible partner. Called by the executor."""
-        with suppress(DDSException):  # the endpoint may be destroyed meanwhile
+        with suppress(DDSException):  # the endpoint may be destroyed in the meantime
             if not self._dds.take_status(self._incompatible):
                 return
             policy = getattr(self._dds, self._get_incompatible)().last_policy_id

@@ -38,7 +38,7 @@ class Clock:
     _jumped: threading.Condition  # notified when the simulated time changes
     _switches = 0  # number of switches between the system's time and simulated time
     _is_simulated = False
-    _simulated_ns = 0  # the time while it is simulated
+    _simulated_ns = 0  # the simulated time
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
         """Create a clock; for ROS time, it is a ROSClock."""

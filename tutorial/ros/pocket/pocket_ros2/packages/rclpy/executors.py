@@ -231,7 +231,7 @@ class SingleThreadedExecutor:
         for endpoint in self._endpoints:
             sources += endpoint.event_sources
             self._waited_for += [None, endpoint] if isinstance(endpoint, Subscription) else [None]
-        for key, source in enumerate(sources):  # fails for an entity destroyed meanwhile, which wakes us again
+        for key, source in enumerate(sources):  # fails for an entity destroyed in the meantime, which wakes us again
             wait_set._waitset_attach(wait_set._ref, source._ref, key)
 
     def _close_wait_set(self) -> None:

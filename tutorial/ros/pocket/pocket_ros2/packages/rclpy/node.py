@@ -398,7 +398,7 @@ class Node(NodeGraph, NodeParameters):
         self._clock.set_ros_time_override(Time.from_msg(message.clock))
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
-        """Publish a log line on ``/rosout``. Called by the logger, so a shutdown meanwhile is not an error."""
+        """Publish a log line on ``/rosout``. Called by the logger, so a concurrent shutdown is not an error."""
         rosout = self._rosout
         if rosout is None or not self._context.ok():
             return
