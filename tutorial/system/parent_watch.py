@@ -53,9 +53,7 @@ def start_watched(
     Raises:
         OSError, TypeError, ValueError: it cannot be started with these arguments.
     """
-    before = signal.pthread_sigmask(
-        signal.SIG_BLOCK, ASKING
-    )  # a child inherits this, and unblocks them when it is ready
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)  # a child inherits this, and unblocks the signals itself
     try:
         return subprocess.Popen(
             [sys.executable, "-S", "-I", __file__, *words],
