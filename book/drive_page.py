@@ -41,7 +41,10 @@ CYCLONE = ("cyclonedds/qos.py", *(f"cyclonedds/idl/{name}.py" for name in IDL))
 LOCK = "pyodide-lock.json"
 """The list of packages that Pyodide can load; the page provides none of them."""
 
-MODULES = ("controller", "controller_files", "errors", "handoff", "joints", "paths", "ros/__init__", "ros/joy")
+MODULES = (
+    *("controller", "errors", "handoff", "joints", "program/__init__", "program/controller_files"),
+    *("ros/__init__", "ros/joy", "system/__init__", "system/paths"),
+)
 """The modules of ``tutorial`` that the page needs, besides the controllers."""
 
 PROGRAMS = {
