@@ -77,8 +77,8 @@ class ChoreonoidTutorial(Viewer):
 class RobotStatePublisher(Viewer):
     """robot_state_publisher at its default 20 Hz, and tf2, which stores its transforms.
 
-    It drops messages whose lists differ in length. It also drops a message unless it is at least an interval newer than
-    the last publication of one of its joints. For a repeated name it uses the first position, because it inserts the
+    It drops messages whose lists differ in length. It also drops a message if, by the stamps, it last published each of
+    its joints less than an interval earlier. For a repeated name it uses the first position, because it inserts the
     positions into a map. tf2 rejects NaN and shows the transform with the newest stamp.
 
     Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.

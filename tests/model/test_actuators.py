@@ -109,7 +109,7 @@ def test_target(actuator):
     [
         ('<motor name="R/m" joint="R/J"/>', "no position servo: its actuator 'm' is a motor. Set joint.effort, or its"),
         ('<velocity name="R/v" joint="R/J"/>', "no position servo: its actuator 'v' is a velocity servo. Set its"),
-        ('<intvelocity joint="R/J" actrange="-1 1"/>', "no position servo: its actuator is an integrated-velocity servo"),
+        ('<intvelocity joint="R/J" actrange="-1 1"/>', "no position servo: its actuator is an integrated-vel"),
         (2 * '<position joint="R/J"/>', "2 position servos. For each one, set the control signal, body.actuator(name)"),
     ],
 )

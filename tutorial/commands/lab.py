@@ -64,7 +64,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
         "ServerApp.allow_root": True,  # in a container, root is the only user
         "ServerApp.allow_origin_pat": _forwarded_origin(),
-        "ServerApp.max_body_size": 64_000_000,  # bytes, read before authentication; notebooks are smaller
+        "ServerApp.max_body_size": 64_000_000,  # limit in bytes before authentication; notebooks are smaller
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
         "ServerApp.answer_yes": True,  # one Ctrl-C ends it
         "Application.log_level": "ERROR",

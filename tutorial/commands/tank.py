@@ -105,7 +105,7 @@ def run(
 
 
 @tank.command(short_help="Publish a gamepad or a scripted drive on /joy.")
-@click.option("--drive", metavar="FILE", help="Publish this file, or this drive of the tutorial, such as tour.")
+@click.option("--drive", metavar="FILE", help="Publish this file, or a drive of the tutorial, such as tour.")
 @duration_option
 @linger_option
 @report_option

@@ -152,7 +152,7 @@ def roots(couplings: Sequence[Coupling]) -> set[int]:
 
 
 def _coupling(model: mujoco.MjModel, equality: int) -> Coupling:
-    """Read an equality. MuJoCo's polynomial is in the leader's distance from its position in ``qpos0``."""
+    """Read an equality. MuJoCo's polynomial is a function of the leader's distance from its ``qpos0``."""
     follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
     start = float(model.qpos0[model.jnt_qposadr[follower]])
     coefficients = model.eq_data[equality, :5].tolist()

@@ -36,7 +36,7 @@ def _describe_error(error: BaseException | None) -> str:
 def _describe_bodies(view: View, items: Mapping[str, Item]) -> tuple[list[str], list[tuple[str, ...]]]:
     """Return a line about each body's messages, and rows with its sensors' measurements.
 
-    For more than `FEW` bodies, return a line with how many are in order, and a line for each of the first few others.
+    For more than `FEW` bodies, return the number of bodies in order, and a line for each of the first few others.
     """
     watches = [item.joints for item in items.values()]
     fleet = [watch for watch in watches if watch.meters or watch.in_order]

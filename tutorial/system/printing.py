@@ -9,7 +9,7 @@ from tutorial.errors import printable_lines
 
 
 def say(text: str, err: bool = False) -> None:
-    """Print a text with its own line ends, and flush. All commands print with this function.
+    """Print text with its own line ends, and flush. All commands print with this function.
 
     Control characters are printed as escapes: parts of the text may come from outside, and a terminal would obey them.
 
