@@ -1,4 +1,4 @@
-"""What every exercise has in common: what it says before, and that its solution is right in a process of its own."""
+"""All exercises: their messages before an answer runs, and their solutions in a separate process."""
 
 import ast
 import asyncio
@@ -47,23 +47,23 @@ def test_hints_get_stronger_and_the_first_ones_give_nothing_away(exercise, capsy
     assert not any(len(line) > 20 and line in first + second for line in lines)
 
 
-TEXT = "Mend.\n\nMend it.\n\nHint 1: Look.\n\nHint 2: Think.\n\nHint 3: Write.\n\nNotice it."
+TEXT = "Repair.\n\nRepair it.\n\nHint 1: Look.\n\nHint 2: Think.\n\nHint 3: Write.\n\nNotice it."
 
 
 @pytest.mark.parametrize(("rights", "wrongs", "number"), [(0, 1, 1), (2, 1, 2), (3, 1, 3), (3, 2, 2)])
 def test_a_wrong_answer_is_told_which_hint_fits(rights, wrongs, number, monkeypatch):
     findings = [right("a")] * rights + [wrong("b", f"Cause {i}.") for i in range(wrongs)]
-    exercise = Exercise("mending", TEXT, SimpleNamespace(solution=GentleTank))
+    exercise = Exercise("repair", TEXT, SimpleNamespace(solution=GentleTank))
     monkeypatch.setattr(exercise, "findings", lambda *_: findings)
     says = {1: "what to look at", 2: "how it is done", 3: "nearly the code"}[number]
-    assert str(exercise.judge(GentleTank)).splitlines()[-1] == f"Stuck? mending.hint({number}) says {says}."
+    assert str(exercise.judge(GentleTank)).splitlines()[-1] == f"Stuck? repair.hint({number}) says {says}."
 
 
 BEFORE = (ast.Import, ast.ImportFrom, ast.ClassDef, ast.FunctionDef)
 
 
 def imports_and_cell(name):
-    """Return the cell that an answer is written in, after the imports, classes and functions that come before it."""
+    """Return the imports, classes and functions before an answer's cell, and the cell's source."""
     found = []
     for path in sorted((HOME / "notebooks").glob("*.ipynb")):
         found.clear()

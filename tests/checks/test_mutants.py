@@ -1,4 +1,4 @@
-"""Small faults in the right answers, of which ``make mutants`` judges all: here a fixed sample."""
+"""A fixed sample of the small faults in solutions, all of which ``make mutants`` judges."""
 
 import asyncio
 
@@ -19,7 +19,7 @@ def listed(name):
 
 
 def sample(exercise):
-    """Some that are wrong, from all over the answer: the same ones every time."""
+    """Return a fixed sample of wrong mutants, spread over the answer."""
     wrong = [mutant for mutant in mutants_of(exercise) if mutant.change not in listed(exercise.name)]
     return [wrong[(2 * i + 1) * len(wrong) // (2 * SAMPLE)] for i in range(SAMPLE)]
 

@@ -27,7 +27,7 @@ print(progress())
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A notebook's folder, as the current directory."""
-    monkeypatch.delenv("TANK_PROGRESS")  # it keeps the tests' records out of the course's folder
+    monkeypatch.delenv("TANK_PROGRESS")  # this variable keeps the tests' records out of the course's folder
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -74,7 +74,7 @@ def test_a_broken_file_is_reported_and_not_changed(notebook, text):
 def test_a_file_that_is_not_small_and_regular_is_not_read(notebook, make):
     make(notebook / FILE)
     remember("aim")
-    assert "it is no file of at most 1 MB." in read_progress()[1]
+    assert "it is not a file of at most 1 MB." in read_progress()[1]
 
 
 def test_a_failed_write_does_not_change_the_file(notebook, monkeypatch):

@@ -1,4 +1,4 @@
-"""Right answers in their styles, and wrong ones: those of the folder ``answers``."""
+"""Right answers in various styles, and wrong answers: see the folder ``answers``."""
 
 from importlib import import_module
 

@@ -1,4 +1,4 @@
-"""The tables of the exercises: each known mistake can be made, is a mistake, and is told from all others."""
+"""The tables of the exercises: each known mistake can be made, is wrong, and is distinguished from all others."""
 
 from importlib import import_module
 from itertools import permutations
@@ -22,7 +22,7 @@ every_table = pytest.mark.parametrize("twins", TABLES.values(), ids=BY_NAME)
 )
 def test_each_mistake_is_diagnosed_as_itself(exercise, fault, domain):
     twin = TABLES[exercise].make(fault)
-    assert twin is not None, f"the solution has nothing that {fault.edits} could change"
+    assert twin is not None, f"the solution does not contain the text that {fault.edits} change"
     verdict = exercise.judge(twin)
     assert not verdict.right, f"this is no mistake: {fault}"
     assert verdict.causes == (f"Most likely {fault.cause}",), str(verdict)
@@ -62,4 +62,4 @@ def test_any_two_mistakes_compile_at_once(twins):
 def test_no_two_cases_have_a_label(twins):
     labels = [case.label for case in twins.cases.cases]
     assert len({*labels}) == len(labels)
-    assert twins.cases.meaning, "what a case means that has no meaning of its own is missing"
+    assert twins.cases.meaning, "the default meaning is missing"

@@ -3,13 +3,13 @@
 In a notebook::
 
     from tutorial.checks.tank_controller import drive
-    await drive.check(GentleTank)   # says what is right, and for what is wrong the most likely cause
+    await drive.check(GentleTank)   # shows what is right and what is wrong, with the most likely causes
     drive.hint()
     drive.solution()
 
-Each exercise is a module of its own name; each step's module, such as `tank_controller`, lists the exercises of its
-notebook. The answer runs in a process of its own, in a ROS domain of its own, on simulated time, so it cannot disturb
-the learner's own programs.
+Each exercise has a module of the same name. Each step's module, such as `tank_controller`, lists the exercises of its
+notebook. The answer runs in a separate process and ROS domain, on simulated time, so it cannot disturb the learner's
+programs.
 
-`exercise` is an exercise as the learner meets it, `catalogue` the list of all, and `engine` what all of them share.
+`exercise` is what the learner uses, `catalogue` lists all exercises, and `engine` contains the code that they share.
 """

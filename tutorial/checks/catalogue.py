@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @cache
 def exercises() -> dict[str, tuple[Exercise, ...]]:
-    """Return them in the course's order, by the notebook that they are in, such as ``1_tank_controller``.
+    """Return all exercises in the course's order, by notebook, such as ``1_tank_controller``.
 
-    A notebook and a module here have the same name, but for the number; the module lists their exercises in the
-    notebook's order, in ``__all__``. What has no notebook here comes last.
+    A notebook and its module here have the same name, except for the number. The module's ``__all__`` lists the
+    exercises in the notebook's order. Modules without a notebook come last.
     """
     return {
         title: tuple(getattr(importlib.import_module(f"{checks.__name__}.{name}"), name) for name in names)
@@ -30,9 +30,9 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
 
 
 def exercise_names(step: int | None = None) -> dict[str, list[str]]:
-    """Return the names of a step's exercises, or of all, by the notebook that they are in.
+    """Return the names of a step's exercises, or of all exercises, by notebook.
 
-    Each exercise has a module of its own name. Nothing is imported here, so this works without rclpy.
+    Each exercise has a module of the same name. The function imports none of them, so it works without rclpy.
     """
     notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
     modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if not each.ispkg]
@@ -43,7 +43,7 @@ def exercise_names(step: int | None = None) -> dict[str, list[str]]:
 
 
 def _listed(module: str) -> list[str]:
-    """Return what a module's source assigns to ``__all__``."""
+    """Read ``__all__`` from a module's source."""
     tree = ast.parse((Path(checks.__path__[0]) / f"{module}.py").read_text(encoding="utf-8"))
     assigned = (each for each in tree.body if isinstance(each, ast.Assign))
     values = [each.value for each in assigned if ast.unparse(each.targets[0]) == "__all__"]

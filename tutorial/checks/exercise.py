@@ -1,4 +1,4 @@
-"""An exercise, as the learner meets it: its statement, its check, its hints and its solution."""
+"""An exercise as the learner sees it: its statement, its check, its hints and its solution."""
 
 import ast
 import inspect
@@ -21,23 +21,23 @@ from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 
 NOT_YET = "Not attempted yet"
-"""How the text begins that says that nothing is written yet."""
+"""The beginning of the message about an answer without any code."""
 
 _PARTS = re.compile(r"\n\n(?:Hint \d: |(?=Notice ))")
-SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint does, the weakest first
+SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint shows, the weakest first
 
 
 class Exercise:
     """One exercise of a notebook.
 
     Args:
-        name: its name, which is that of its module, too. The answer has another name: it would hide the exercise.
-        text: the module's docstring: a title, then the statement, which is the exercise's docstring, too, then
-            paragraphs that begin with ``Hint 1: ``, what to look at, ``Hint 2: ``, how it is done, ``Hint 3: ``,
-            nearly the code, and ``Notice``, about a right answer.
-        cases: what an answer is tried in, with the solution, whose source is shown in the notebooks' style.
-        parts: the methods that the learner has to write; by default those of the solution that override a
-            controller's, or all methods of another class.
+        name: the name of the exercise and its module. The answer needs a different name, or it would hide the exercise.
+        text: the module's docstring: a title; the statement, which becomes the exercise's docstring; and paragraphs
+            that begin with ``Hint 1: `` (what to look at), ``Hint 2: `` (how it is done), ``Hint 3: `` (nearly the
+            code), and ``Notice`` (about a right answer).
+        cases: the cases that an answer has to pass, the known mistakes, and the solution.
+        parts: the methods that the learner has to write. By default, for a controller, those that the solution
+            overrides; for any other class, all of the solution's methods.
         imports: the import statements that the solution needs and the notebook lacks.
     """
 
@@ -53,15 +53,15 @@ class Exercise:
         own = _own_methods(cases.solution, self._base)
         self._parts = parts or own
         self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
-        self._seen = dict[Hashable, Any]()  # of the solution and its twins
+        self._seen = dict[Hashable, Any]()  # the twins, and the observations of the solution and its twins
 
     async def check(self, answer: Any = None) -> None:
-        """Run an answer in a process of its own, and print what is right and what is not.
+        """Run an answer in a separate process, and print what is right and what is not.
 
-        This takes a few seconds, while the event loop goes on: views move, and an interrupt ends the check.
+        This takes a few seconds. Meanwhile the event loop keeps running: views move, and an interrupt ends the check.
 
         Args:
-            answer: the class or function itself; None if there is none yet.
+            answer: the class or function itself; None if it does not exist yet.
         """
         seen = await self.examine(answer)
         if isinstance(seen, Verdict) and seen.right:
@@ -69,20 +69,20 @@ class Exercise:
         _say(str(seen))
 
     async def examine(self, answer: Any) -> Verdict | str:
-        """Run an answer in a process of its own and return the verdict; if it cannot be run, a text says why."""
+        """Run an answer in a separate process and return the verdict, or a text that says why it cannot run."""
         return self._first_look(answer) or self._verdict(*await contain(self.module, self.name, answer))
 
     def judge(self, answer: Any) -> Verdict:
-        """Judge an answer in this process, without containing it. The environment has to give it a ROS domain."""
+        """Judge an answer in this process, without containing it. The environment has to set a ROS domain."""
         with Instruments() as instruments:
             return self._verdict(tuple(self.findings(answer, instruments)))
 
     def findings(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
-        """Judge an answer in this process, and yield each finding once it is known.
+        """Judge an answer in this process, and yield each finding as soon as it is known.
 
         Args:
             answer: the learner's class or function.
-            instruments: begin its trials. They have to be in place already.
+            instruments: the instruments for its trials, already entered.
         """
         try:
             check_has(answer, *self._requires)
@@ -91,8 +91,8 @@ class Exercise:
             yield finding_of(failure, answer)
         except TutorialError as error:
             yield wrong(str(error), "The check ended there.")
-        except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner has to know
-            text = f"the check cannot go on: {type(error).__name__}: {error}"
+        except Exception as error:  # noqa: BLE001 - an odd answer may cause any exception; the learner has to see it
+            text = f"the check cannot continue: {type(error).__name__}: {error}"
             yield wrong(text, f"Something unusual happened. Compare your answer with {self.name}.solution().")
 
     def _judge(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
@@ -106,7 +106,7 @@ class Exercise:
         """Print a hint.
 
         Args:
-            number: which one, from 1; a later one says more.
+            number: the hint's number, from 1. Later hints say more.
         """
         count = len(self._hints)
         if number not in range(1, count + 1):
@@ -117,7 +117,7 @@ class Exercise:
         _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more if number < count else last}")
 
     def solution(self) -> None:
-        """Print the source of a right answer, ready to paste into the notebook's cell."""
+        """Print the source of the solution, ready to paste into the notebook's cell."""
         imports = ["\n".join(self._imports)] if self._imports else []
         _say("\n\n\n".join([*imports, listing(self.right_answer)]))
 
@@ -127,7 +127,7 @@ class Exercise:
         return Verdict(findings, self._notice, output, advice)
 
     def _first_look(self, answer: Any) -> str:
-        """Say why an answer cannot be run; return an empty text if it can."""
+        """Return a message if an answer cannot be run, or an empty string if it can."""
         name, call = self.right_answer.__name__, f"await {self.name}.check"
         if answer is None:
             return f"{NOT_YET}: write {name}, then {call}({name}). {self.name}.hint() gives a hint."
@@ -143,7 +143,7 @@ class Exercise:
 def listing(part: Any) -> str:
     """Return the source of a class or function in the notebooks' style: without annotations and docstrings.
 
-    So it needs no imports for them. Comments and blank lines stay.
+    Annotations would need imports. Comments and blank lines stay.
 
     Args:
         part: the class or function, written at the top level of its module.
@@ -161,24 +161,24 @@ def listing(part: Any) -> str:
 
 
 def _base_of(solution: Any) -> type | None:
-    """Return the class that an answer has to inherit from; None if it is a function."""
+    """Return the class that an answer has to inherit from; None for a function."""
     if not isinstance(solution, type):
         return None
     return SimpleController if issubclass(solution, SimpleController) else object
 
 
 def _own_methods(solution: Any, base: type | None) -> list[str]:
-    """Return the public methods of a solution; of a controller only those that it overrides."""
+    """Return a solution's public methods; for a controller, only those that it overrides."""
     written = [each for each in vars(solution) if each[0] != "_"]
     return [each for each in written if base is object or hasattr(SimpleController, each)]
 
 
 def _fitting(findings: tuple[Finding, ...]) -> int:
-    """Choose a hint: the more of an answer is right already, the more the hint may say."""
+    """Choose a hint: the more of an answer is already right, the more the hint reveals."""
     rights = sum(finding.right for finding in findings)
     causes = len({finding.cause for finding in findings if not finding.right})
     return 1 if rights == 0 else 2 if rights <= 2 * causes else 3
 
 
 def _say(text: str) -> None:
-    print(text)  # noqa: T201 - to print is its purpose
+    print(text)  # noqa: T201 - printing is its purpose

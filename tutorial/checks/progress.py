@@ -1,6 +1,6 @@
-"""Which exercises are solved: remembered in a small file beside the notebook, and shown in a cell or at a terminal.
+"""The learner's progress: a small file beside the notebook lists the solved exercises, for a cell or the terminal.
 
-There is no account, and nothing leaves the folder. To begin anew, delete the file.
+There is no account, and nothing leaves the folder. Delete the file to start over.
 """
 
 import os
@@ -17,23 +17,22 @@ import msgspec
 
 FILE = ".tank_progress.json"
 VARIABLE = "TANK_PROGRESS"  # names another file, for tests
-LARGEST = 2**20  # [bytes] a thousand times what such a file has
+LARGEST = 2**20  # [bytes] a thousand times the usual size
 
 
 class _File(msgspec.Struct):
-    """What the file looks like: by the exercise's name, the day when it was solved; an odd one stays as it is."""
+    """The content of the file: the day when each exercise was solved. Values of other types are kept unchanged."""
 
     solved: dict[str, Any]
 
 
-UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)  # of a file that cannot be read, or is no such file
+UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)  # reading a broken file raises one of these
 
 
 def remember(exercise: str) -> None:
-    """Write down that an exercise is solved, if this is a notebook; the first time counts.
+    """Record that an exercise is solved, if this is a notebook. A recorded date never changes.
 
-    A file that cannot be read or written is no reason for an exercise to fail: then it is not remembered, and what is
-    there stays as it is.
+    If the file cannot be read or written, nothing is recorded and the file stays unchanged: the check still succeeds.
 
     Args:
         exercise: its name.
@@ -50,24 +49,24 @@ def read_progress(folder: Path | None = None) -> tuple[dict[str, Any], str]:
     """Return the exercises that are solved in a folder's notebooks.
 
     Args:
-        folder: where the notebooks are; None for the one that this process works in.
+        folder: the notebooks' folder; None for the current directory.
 
     Returns:
-        By the exercise's name, the day when it was solved; and what is wrong with the file, empty if nothing is.
+        The day when each exercise was solved, by name, and an error message, empty if the file is fine.
     """
     path = _file(Path()) if folder is None else folder / FILE
     try:
         return _read(path), ""
     except UNREADABLE as error:
-        return {}, f"{path.name} cannot be read, so nothing counts as solved: {error}. Delete it to begin anew."
+        return {}, f"{path.name} cannot be read, so nothing counts as solved: {error}. Delete it to start over."
 
 
 class Overview:
     """The exercises of the course, and which of them are solved.
 
     Args:
-        exercises: their names, by the notebook that they are in.
-        folder: where the notebooks are; None for the one that this process works in.
+        exercises: the names of the exercises, by notebook.
+        folder: the notebooks' folder; None for the current directory.
     """
 
     def __init__(self, exercises: Mapping[str, Sequence[str]], folder: Path | None = None) -> None:
@@ -122,20 +121,20 @@ def _in_notebook() -> bool:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return what a file has; nothing where there is none.
+    """Return the dates in a file; nothing if it doesn't exist.
 
     Raises:
-        OSError, RecursionError, msgspec.MsgspecError: it cannot be read, or is not such a file.
+        OSError, RecursionError, msgspec.MsgspecError: the file cannot be read, or has a different format.
     """
     if not path.exists():
         return {}
-    if not path.is_file() or path.stat().st_size > LARGEST:  # what else is there may be endless, or never say anything
-        raise OSError("it is no file of at most 1 MB")
+    if not path.is_file() or path.stat().st_size > LARGEST:  # reading a pipe or device could block or never end
+        raise OSError("it is not a file of at most 1 MB")
     return msgspec.json.decode(path.read_bytes(), type=_File).solved
 
 
 def _write(path: Path, solved: dict[str, Any]) -> None:
-    """Write the file whole, or not at all: two notebooks may be open, or the machine may stop."""
+    """Replace the file in one step, in case another notebook writes it or the machine stops."""
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=FILE, delete=False) as file:
         file.write(msgspec.json.format(msgspec.json.encode(_File(solved))) + b"\n")
     try:

@@ -1,4 +1,4 @@
-"""Bodies on which nothing moves."""
+"""Bodies that do not move by themselves."""
 
 from tutorial.checks.engine.bodies import bodies, displayed_body, scratch
 from tutorial.checks.engine.trial import Trial

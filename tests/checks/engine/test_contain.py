@@ -1,4 +1,4 @@
-"""What an answer may do to the process it is judged in, and that nothing of it reaches the learner's own."""
+"""Answers that damage their own process, without any effect on the learner's."""
 
 import asyncio
 import contextlib
@@ -21,7 +21,7 @@ from tutorial.ros.domains import DOMAINS
 
 
 def children(pid=None):
-    """Return the processes that judge for a process, those included that have just ended."""
+    """Return the judging child processes of a process, including those that have just ended."""
     with contextlib.suppress(psutil.NoSuchProcess):
         return [p for p in psutil.Process(pid).children() if p.status() != psutil.STATUS_ZOMBIE and _judges(p)]
     return []
@@ -30,11 +30,11 @@ def children(pid=None):
 def _judges(process):
     return (
         "tutorial.checks.engine.child" in process.cmdline()
-    )  # a whole argument: a pool's fork server only names it in one
+    )  # compare whole arguments: a fork server's argument merely contains the name
 
 
 def said_about(answer):
-    """Return what a check prints, and see to it that nothing is left of its process."""
+    """Return the output of a check, and make sure that its process is gone."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
         asyncio.run(drive.check(answer))
     assert not children()
@@ -65,18 +65,18 @@ class Floods(GentleTank):
 
 
 class HaltsPython(GentleTank):
-    """Lets nothing else run: the one thing that the watchdog cannot see."""
+    """Block all threads, including the watchdog."""
 
     def control(self):
         ctypes.PyDLL(None).sleep(3600)
 
 
 ENDS = [
-    (TakesLong, "✗ control takes too long, at every call", "in control, line ", "return at once"),
-    (EndsTheProcess, "✗ the process was ended, with exit status 3", "as os._exit does", "only returns"),
-    (Crashes, "✗ the process was ended by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
-    (Floods, "✗ control does not return", "  | here I am", "the loop is the simulation's"),
-    (HaltsPython, "✗ Python itself has come to a halt", "in control, line", "A call into C did not return"),
+    (TakesLong, "✗ every call of control takes too long", "in control, line ", "return at once"),
+    (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only returns"),
+    (Crashes, "✗ the process was killed by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
+    (Floods, "✗ control does not return", "  | here I am", "it needs no loop of its own"),
+    (HaltsPython, "✗ Python itself hangs", "in control, line", "A call into C code probably did not return"),
 ]
 
 
@@ -158,8 +158,8 @@ def of_the_notebook(name):
 )
 def test_what_belongs_to_the_notebook_is_named(name, used, kind):
     said = said_about(of_the_notebook(name))
-    assert f"✗ {name} uses {used}, an object of the class {kind}, that belongs to the notebook" in said
-    assert "let it take what it needs from config, io or its arguments" in said
+    assert f"✗ {name} uses {used}, an object of the class {kind} that belongs to the notebook" in said
+    assert "take everything that it needs from config, io or its arguments" in said
 
 
 def test_the_notebooks_event_loop_is_replaced_by_the_running_one():

@@ -1,4 +1,4 @@
-"""What CPython's messages mean, on each supported version."""
+"""CPython's messages and their causes, on each supported version."""
 
 import asyncio
 import gc
@@ -31,10 +31,10 @@ SENTENCES = {
     "This is a tuple. Unpack it": lambda: (1,).header,
     "You probably forgot self in initialize: self.io = ...": lambda: Answer().io,
     "You probably don't keep it in configure: self.node = config.node.": lambda: Answer().node,
-    "You probably read it before anything has set it: configure comes first": lambda: Answer().message,
+    "You probably read it before anything has set it: configure runs first": lambda: Answer().message,
     "You probably use the event loop": asyncio.get_running_loop,
     "A list cannot be the key of a dict": lambda: {[]: 1},
-    "Leave it out: the program has called rclpy.init, spins its node": lambda: rclpy.spin_once(None),
+    "Leave it out: the program calls rclpy.init, spins its node": lambda: rclpy.spin_once(None),
     "Did you mean 'join'?": lambda: "".jion,
 }
 
@@ -46,4 +46,4 @@ def test_pythons_sentence_is_understood(sentence):
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)
     del info
-    gc.collect()  # spin_once of the real rclpy leaves half an executor, which complains as it goes
+    gc.collect()  # the real rclpy's spin_once leaves a half-made executor, which warns when it is collected

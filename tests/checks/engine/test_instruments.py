@@ -1,4 +1,4 @@
-"""Which calls are noted, and that clocks stand still for an answer alone."""
+"""Which calls are noted, and that clocks stand still only for the answer."""
 
 import threading
 import time

@@ -40,4 +40,4 @@ class Subscribes:
 def test_early():
     with pytest.raises(Failure, match="Misuse") as info:
         early(Subscribes, Joy())(Trial(Subscribes))
-    assert "the first message comes while configure runs" in str(info.value.error)
+    assert "the first message arrives while configure runs" in str(info.value.error)

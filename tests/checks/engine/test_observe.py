@@ -1,4 +1,4 @@
-"""What is observed, and when a check ends early."""
+"""Observations, and when a check ends early."""
 
 from dataclasses import replace
 from math import nan

@@ -1,4 +1,4 @@
-"""What is tried of controllers that publish at a rate."""
+"""The cases of controllers that publish at a rate."""
 
 from tutorial.checks.engine.publishing import compared, compared_stamps, say
 from tutorial.checks.engine.trial import Trial
@@ -13,11 +13,11 @@ class EverySecond(SlowPublisher):
 
 def test_the_rate():
     assert PUBLISHING.rate(1)(Trial(SlowPublisher)) == "25 times per simulated second"
-    assert PUBLISHING.rate(1)(Trial(EverySecond)) == {"12.5 times per simulated second, from 0 s on": [80, 80]}
+    assert PUBLISHING.rate(1)(Trial(EverySecond)) == {"12.5 times per simulated second, starting at 0 s": [80, 80]}
 
 
 def test_words():
-    assert compared([(1, 1), (3, 2)], "right", str) == {"3 in place of 2": [1, 3]}
+    assert compared([(1, 1), (3, 2)], "right", str) == {"3 instead of 2": [1, 3]}
     assert compared_stamps([(10**19, 0)]) == "the wall clock's time"
     assert compared_stamps([(5, 5)]) == "the simulated time"
     assert say([{"a": 1}, "b"]) == "a; b"

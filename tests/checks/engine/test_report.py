@@ -1,4 +1,4 @@
-"""The sentences about a diagnosis."""
+"""The sentences for a diagnosis."""
 
 from dataclasses import replace
 

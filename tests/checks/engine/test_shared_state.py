@@ -1,4 +1,4 @@
-"""What an answer keeps outside of its objects."""
+"""State that an answer keeps outside its objects."""
 
 from tutorial.checks.engine.shared_state import SharedState, cause_of_sharing, outside, pickled
 

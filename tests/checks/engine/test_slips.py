@@ -5,14 +5,14 @@ import pytest
 from tutorial.checks.engine.slips import another, missing, slips
 
 SLIPS = {
-    "`y = x` is missing, or not reached.": (missing, "y = x", "pass"),
-    "`b` is missing, or always 0. It is `a - b`.": (another, "a - b", "a - (0)"),
-    "a sign is wrong. It is `a - b`.": (another, "a - b", "(-a) - b"),
-    "you use another comparison. It is `a > b`.": (another, "a > b", "(a >= b)"),
-    "you don't test `a`. It is `a and b`.": (another, "a and b", "(True) and b"),
+    "`y = x` is missing or never reached.": (missing, "y = x", "pass"),
+    "`b` is missing, or always 0. It should be `a - b`.": (another, "a - b", "a - (0)"),
+    "a sign is wrong. It should be `a - b`.": (another, "a - b", "(-a) - b"),
+    "you use a different comparison. It should be `a > b`.": (another, "a > b", "(a >= b)"),
+    "you don't test `a`. It should be `a and b`.": (another, "a and b", "(True) and b"),
     "you don't test `a`.": (another, "if a: pass", "if (True): pass"),
-    "your condition is the opposite. It is `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
-    "a number differs or is missing. It is `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
+    "your condition is reversed. It should be `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
+    "a number differs or is missing. It should be `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
 }
 
 

@@ -1,4 +1,4 @@
-"""What a trial knows of an answer."""
+"""What a trial records about an answer."""
 
 import time
 
@@ -22,7 +22,7 @@ def test_a_failure_has_the_learners_line():
 @pytest.mark.parametrize(
     ("answer", "said"),
     [
-        (lambda given: given.append(1), "it changes the list that it is given"),
+        (lambda given: given.append(1), "it changes its argument, the list"),
         (lambda given: iter(given), "it returns a list_iterator"),
         (lambda given: None, "it returns None"),
         (lambda given: 5, "it returns a int"),

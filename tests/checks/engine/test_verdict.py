@@ -18,7 +18,7 @@ def test_a_verdict_names_a_cause_once_and_two_at_most():
         *("✗ b0", "  First."),
         *("✗ b2", "  Second."),
         "✓ c",
-        "More is wrong. Fix this first.",
+        "There is more to fix. Start with this.",
     ]
 
 

@@ -1,4 +1,4 @@
-"""A toy exercise: a solution of three lines, what it is tried in, and which mistakes are known."""
+"""A toy exercise: a solution of three lines, its cases, and its known mistakes."""
 
 from tutorial.checks.engine.cases import Case, Cases, Mistake, replace
 from tutorial.checks.engine.diagnose import diagnose
@@ -29,7 +29,7 @@ def seen_of(answer, begin=Trial):
 
 
 def causes_of(answer, begin=Trial):
-    """By case, what is diagnosed: the cause of a mistake, or the reason's name."""
+    """Return the diagnosis by case: a mistake's cause, or the name of a `Why`."""
     causes = diagnose(seen_of(answer, begin), TWINS).causes
     return {label: getattr(why, "cause", None) or why.name for label, why in causes.items()}
 

@@ -1,16 +1,16 @@
-"""The engine of the exercises: it tries an answer, finds out why it is wrong, and says so.
+"""The engine of the exercises: it tries an answer, finds out why it is wrong, and explains it.
 
-An exercise's module imports what it needs from the module here that defines it.
+An exercise's module imports each name from the module here that defines it.
 
-- `answer`, `failure`: what the learner wrote, and what goes wrong in it; `exceptions`: why it probably did.
-- `trial`, `instruments`: one attempt at an answer, and what the answer does meanwhile with time and threads.
-- `cases`: the data of an exercise: what is tried, and which mistakes are known.
-- `twins`, `slips`: the solution with mistakes in it: those of the exercise, and small slips.
-- `observe`, `diagnose`, `report`: the three steps of a check. `shared_state`: what objects share that they should not;
-  `verdict`: what the learner reads.
-- `contain`, `child`: the process in which an answer runs, from outside and from inside.
-- `memory_node`, `bodies`, `rig`: what the controller of a simulated body is tried with; `publishing`: what is tried of
-  all controllers that publish at a rate.
-- `viewer`, `clock`: what the controller of a displayed body is tried with; `viewing`: what is tried of all of them.
+- `answer`, `failure`: the learner's code, and its failures. `exceptions`: their most likely causes.
+- `trial`, `instruments`: one attempt at an answer, and how the answer uses time and threads meanwhile.
+- `cases`: the data of an exercise: its cases and the known mistakes.
+- `twins`, `slips`: the solution with mistakes in it: known ones, and small slips.
+- `observe`, `diagnose`, `report`: the three steps of a check. `shared_state`: state that the learner's objects share
+  by accident. `verdict`: the text that the learner reads.
+- `contain`, `child`: the process that runs an answer, from outside and from inside.
+- `memory_node`, `bodies`, `rig`: an environment for the controller of a simulated body. `publishing`: cases for all
+  controllers that publish at a rate.
+- `viewer`, `clock`: an environment for the controller of a displayed body. `viewing`: cases for all such controllers.
 - `interleave`, `real_dds`: two threads in every order, and rclpy's own node.
 """

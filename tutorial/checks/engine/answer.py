@@ -1,4 +1,4 @@
-"""An answer: whether it is the right kind of thing, whether anything is written yet, and what it is made of."""
+"""Inspect an answer: is it a class or function as needed, has the learner written anything yet, what is in it?"""
 
 import dis
 import inspect
@@ -16,23 +16,20 @@ _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
     *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS", "LOAD_GLOBAL"),
 }
-"""The instructions of a function that does nothing, or only raises an exception."""
+"""The instructions that occur in a function that does nothing, or only raises an exception."""
 
 _OURS = ("builtins", "tutorial.controller")
-_ENGINE = "tutorial.checks.engine."  # an answer may keep functions of it on its class
+_ENGINE = "tutorial.checks.engine."  # an answer's class may hold functions from here
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
-    """Say what to give instead, if an answer is not a class, or not a function, as the exercise needs.
+    """Return a message if an answer is not the kind of class or function that the exercise needs, otherwise "".
 
     Args:
-        answer: what was given.
+        answer: the given object.
         name: the answer's name in the exercise.
-        base: the class that it has to inherit from, `object` for any class; None if it is a function.
+        base: the class that the answer has to inherit from, `object` for any class; None for a function.
         call: the call of the check, for instance ``"await drive.check"``.
-
-    Returns:
-        A sentence, empty if the answer is of the right kind.
     """
     instead = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, type) != (base is not None) or not callable(answer):
@@ -52,7 +49,7 @@ def is_empty(function: Any) -> bool:
 
 
 def unwritten(answer: Any, parts: Iterable[str]) -> bool:
-    """Whether nothing of an answer is written yet.
+    """Whether an answer has no code yet.
 
     Args:
         answer: the class or function.
@@ -67,18 +64,18 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
 
 
 def name_of(answer: Any) -> str:
-    """Return the name of a callable: of the function, of the function in a `partial`, or of the object's class."""
+    """Return the name of a function, of the function in a `partial`, or of a callable object's class."""
     inner = answer.func if isinstance(answer, partial) else answer
     return str(getattr(inner, "__name__", type(inner).__name__))
 
 
 def has(answer: type, name: str) -> bool:
-    """Whether a class has a method of its own, or inherits it from a class other than the common base."""
+    """Whether a class defines a method, or inherits it from a class other than the common base."""
     return any(name in vars(each) for each in answer.__mro__ if each is not SimpleController)
 
 
 def check_has(answer: type, *methods: str) -> None:
-    """Check that a learner's class has the methods that the learner has to write.
+    """Check that a learner's class has the required methods.
 
     Raises:
         Failure: a method is missing or empty.
@@ -91,20 +88,20 @@ def check_has(answer: type, *methods: str) -> None:
 
 
 def classes_of(answer: Any) -> list[type]:
-    """Return the learner's classes in an answer: the class itself, or that of an object, and the inherited ones."""
+    """Return an answer's class and its base classes, without those of Python and the tutorial."""
     kind = answer if isinstance(answer, type) else type(answer)
     return [each for each in kind.__mro__ if each.__module__ not in _OURS]
 
 
 def functions_of(answer: Any) -> list[FunctionType]:
-    """Return the functions in an answer, such as the methods of a class."""
+    """Return an answer's functions, such as the methods of a class."""
     members = (member for each in classes_of(answer) for member in vars(each).values())
     found = (getattr(each, "__func__", each) for each in (answer, *members))
     return [each for each in found if isinstance(each, FunctionType) and _ENGINE not in str(each.__module__)]
 
 
 def files_of(answer: Any) -> set[str]:
-    """Return the files, or notebook cells, in which an answer's functions are written."""
+    """Return the files or notebook cells that contain an answer's functions."""
     return {function.__code__.co_filename for function in functions_of(answer)}
 
 

@@ -1,13 +1,13 @@
-"""Cases and mistakes: the data of an exercise, which say what is tried and what is known of wrong answers.
+"""Cases and mistakes: the data of an exercise. They define what is tried, and describe common wrong answers.
 
 For instance::
 
     MISTAKES = [
-        Mistake("you add in place of multiplying.", replace("2 * x", "2 + x", "x + 2")),
+        Mistake("you add instead of multiplying.", replace("2 * x", "2 + x", "x + 2")),
         Mistake("you return before the end.", both(replace("return 2 * x", "pass"), replace("x = ", "return "))),
     ]
     CASES = [
-        Case("a number below 0", lambda trial: trial.call(trial.answer, -2), "You probably forget the sign: keep it."),
+        Case("a number below 0", lambda trial: trial.call(trial.answer, -2), "You probably drop the sign. Keep it."),
     ]
 """
 
@@ -18,64 +18,64 @@ from typing import Any
 
 from tutorial.checks.engine.trial import Trial
 
-# Tries `trial.answer` and returns what it observes: numbers of about 1, texts, or lists or dicts of these.
+# Tries `trial.answer` and returns an observation: a number of about 1, a string, or a list or dict of these.
 Run = Callable[[Trial], Any]
 
-CLOCK = "You probably ask the computer's clock. Only the simulated time that you are given counts."
+CLOCK = "You probably read the computer's clock. Use only the simulated time that you are given."
 
 
 @dataclass(frozen=True)
 class Edit:
-    """A change of a source: another text takes the place of a text, wherever that stands.
+    """A change of a source: every occurrence of a string is replaced.
 
     Attributes:
-        old: the text that is replaced.
-        new: the text that takes its place. Its further lines are indented like the line in which `old` stands.
+        old: the string to replace.
+        new: the replacement. Its further lines are indented like the line that contains `old`.
     """
 
     old: str
     new: str
 
     def made_in(self, source: str) -> str | None:
-        """Return the source with this change; None if nothing in it can be changed."""
+        """Return the source with this change; None if it does not contain the old text."""
         before, is_there, _ = source.partition(self.old)
         margin = before.rpartition("\n")[2]
         indent = margin[: len(margin) - len(margin.lstrip())]
         return source.replace(self.old, self.new.replace("\n", f"\n{indent}")) if is_there else None
 
 
-# Ways to make a mistake: each is the edits that have to be made together.
+# Ways to make a mistake: each is a group of edits that belong together.
 Ways = tuple[tuple[Edit, ...], ...]
 
 
 def replace(old: str, *new: str) -> Ways:
-    """Replace a part of the solution's source. Each replacement is a way of its own to make the mistake.
+    """Replace a part of the solution's source. Each replacement is a separate way to make the mistake.
 
     Change as little as possible: two mistakes can only be found together if they change different texts. The new text
-    may use what the exercise's module, `asyncio`, `functools`, `math` and `itertools` define.
+    can use any name from the exercise's module, `asyncio`, `functools`, `math` and `itertools`.
 
     Args:
-        old: the part. If it occurs several times, all of them are replaced.
-        new: the replacements. Their further lines are indented like the line in which `old` stands.
+        old: the part. All its occurrences are replaced.
+        new: the replacements. Their further lines are indented like the line that contains `old`.
     """
     return tuple((Edit(old, each),) for each in new)
 
 
 def both(*ways: Ways) -> Ways:
-    """Make several edits together, one after the other, for instance ``both(replace(...), replace(...))``.
+    """Combine several edits, made one after the other, for instance ``both(replace(...), replace(...))``.
 
-    If one of them has several replacements, each combination is a way to make the mistake.
+    If an edit has several replacements, each combination is a separate way to make the mistake.
     """
     return tuple(tuple(chain(*each)) for each in product(*ways))
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A mistake that is made in one way.
+    """One way to make a mistake.
 
     Attributes:
-        cause: the cause that the learner reads, after "Most likely".
-        edits: the changes of the solution's source, made one after the other.
+        cause: the cause that the learner reads after "Most likely".
+        edits: the changes of the solution's source, in order.
     """
 
     cause: str
@@ -91,12 +91,12 @@ class Fault:
 
 @dataclass(frozen=True)
 class Mistake:
-    """A mistake, and all the ways in which it can be made.
+    """A mistake, and all known ways to make it.
 
     Attributes:
-        cause: what the learner reads after "Most likely". It says what is wrong, and then what to do.
-        ways: how the solution's source has to be edited for the same mistake: `replace(...)`, `both(...)`, or several
-            of these with ``+`` in between.
+        cause: the cause that the learner reads after "Most likely": what is wrong, and then what to do.
+        ways: the edits of the solution's source that lead to this mistake: `replace(...)`, `both(...)`, or several of
+            these, joined by ``+``.
 
     Raises:
         ValueError: there is no edit.
@@ -110,21 +110,20 @@ class Mistake:
             raise ValueError(f"the mistake has no edit: {self.cause!r}. Give it one: replace(old, new).")
 
     def faults(self) -> list[Fault]:
-        """Return the ways to make it, each by itself."""
+        """Return a `Fault` for each way to make the mistake."""
         return [Fault(self.cause, edits) for edits in self.ways]
 
 
 @dataclass(frozen=True)
 class Case:
-    """One thing that an answer is tried in.
+    """One situation that an answer has to handle.
 
     Attributes:
-        label: what is tried, as the learner reads it. No two cases have the same.
-        run: tries the answer and returns what it observes. The solution's observation is the expected one.
-        meaning: the most likely cause if the observation is wrong and no known mistake explains it, as a sentence;
-            by default `Cases.meaning`.
-        crashes: whether `meaning` also explains an exception, because the case gives something that is missing or
-            unusual.
+        label: the situation, in words for the learner. No two cases have the same label.
+        run: tries the answer and returns an observation. The solution's observation is the expected one.
+        meaning: the most likely cause of a wrong observation that no known mistake explains, as a sentence; by
+            default `Cases.meaning`.
+        crashes: whether `meaning` also explains an exception, because the input of the case is unusual or incomplete.
     """
 
     label: str
@@ -135,19 +134,19 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Everything that an exercise tries, and what it knows of wrong answers.
+    """The cases, the known mistakes and the solution of an exercise.
 
     Numbers within 1e-4 of each other count as equal.
 
     Attributes:
-        solution: the right answer. What is observed of it is what is expected.
-        cases: what an answer is tried in, in this order.
+        solution: the right answer. Its observations are the expected ones.
+        cases: the cases, in the order in which they run.
         mistakes: the known mistakes, the root causes first.
-        meaning: the most likely cause of a wrong observation whose case has no meaning of its own, as a sentence.
+        meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
         say: puts an observation into words.
-        beside: functions of the solution's module that a mistake may change, too.
-        clock: the cause of a wrong observation if the answer asks the computer's clock; "" if it may ask it.
-        on_ros: tries a right answer with rclpy's own node, and says what it observes.
+        beside: functions of the solution's module that mistakes can change, too.
+        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it is allowed to.
+        on_ros: tries a right answer with rclpy's own node, and describes the result.
         one_by_one: whether the first wrong observation ends the check.
     """
 
@@ -167,5 +166,5 @@ class Cases:
 
     @property
     def faults(self) -> list[Fault]:
-        """All known mistakes, each in each of its ways, the root causes first."""
+        """All ways to make the known mistakes, the root causes first."""
         return [fault for mistake in self.mistakes for fault in mistake.faults()]

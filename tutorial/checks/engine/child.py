@@ -1,9 +1,9 @@
 """The process that judges an answer: ``python -m tutorial.checks.engine.child``.
 
-It gets the job on stdin, which stays open as long as the process that started it lives. It writes the findings to
-stdout as lines of JSON, and ``done`` last; what Python itself writes when it dies goes there, too, past every lock.
-What the learner's code prints goes to stderr. A watchdog checks ten times a second whether one of the learner's methods
-does not return; it counts its own looks, not seconds, so that a busy machine is not held against the learner.
+It reads the job from stdin, which stays open while the parent process lives. It writes the findings to stdout as lines
+of JSON, and ``done`` last. If Python crashes, its traceback goes to stdout, too, without waiting for any lock. The
+output of the learner's code goes to stderr. A watchdog checks ten times a second whether one of the learner's methods
+hangs. It counts its checks, not seconds, so a busy machine does not cause wrong verdicts.
 """
 
 import faulthandler
@@ -28,21 +28,21 @@ from tutorial.checks.engine.instruments import Instruments
 from tutorial.checks.engine.trial import Call, Trial
 from tutorial.checks.engine.verdict import Finding, wrong
 
-LOOK = 0.1  # [s] between two looks of the watchdog
-PATIENCE = 15  # looks that a single call may take; it should take none
-BUDGET = 25  # looks that all calls of one method may take together
-HALT = 5.0  # [s] without a look, after which something holds up the watchdog itself
+LOOK = 0.1  # [s] between two checks by the watchdog
+PATIENCE = 15  # checks; a call that is still running after this many is stuck
+BUDGET = 25  # checks; the limit for all calls of one method together
+HALT = 5.0  # [s]; if no check runs for this long, the watchdog itself is blocked
 
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report = os.fdopen(os.dup(1), "wb", 0)  # two threads write: each line at once, so none splits another's
+    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered, so two threads can write whole lines
     os.dup2(2, 1)
-    parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - it stays open to the end
+    parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - stays open to the end
     module, name, sys.path[:], answer = pickle.load(parent)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     faulthandler.enable(report)
-    with Instruments() as instruments:  # before the answer is loaded, which may have its own name for time.sleep
+    with Instruments() as instruments:  # before loading the answer, which may import sleep from time
         threading.Thread(target=_watchdog, args=(instruments, report, parent), name="watchdog", daemon=True).start()
         for finding in _findings(module, name, answer, instruments):
             _tell(report, finding)
@@ -54,13 +54,13 @@ def _findings(module: str, name: str, answer: bytes, instruments: Instruments) -
     try:
         findings: Iterable[Finding] = exercise.findings(pickle.loads(answer), instruments)
     except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
-        text = f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}"
+        text = f"the answer cannot run in a separate process: {type(error).__name__}: {error}"
         return [wrong(text, CLINGS)]
     return findings
 
 
 def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) -> None:
-    """End the process if its parent has died, or if a method of the learner's does not return."""
+    """End the process if its parent has died, or if one of the learner's methods does not return."""
     looks: Counter[Call] = Counter()
     sums: Counter[str] = Counter()
     while not select.select([parent], [], [], LOOK)[0]:
@@ -79,8 +79,8 @@ def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) 
 
 
 def _give_up(report: FileIO, trial: Trial, ident: int, method: str, stuck: bool) -> NoReturn:
-    """Report the method that does not return, and where it is; then end the process."""
-    text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
+    """Report the method that does not return, with its current line, and end the process."""
+    text = f"{method} does not return" if stuck else f"every call of {method} takes too long"
     _tell(report, wrong(text, endless(method), trial.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 

@@ -1,4 +1,4 @@
-"""Containment: an answer runs in a process of its own, so that whatever it does ends with that process."""
+"""Containment: an answer runs in a separate process, so nothing that it does outlives that process."""
 
 import asyncio
 import contextlib
@@ -21,24 +21,24 @@ from tutorial.system.parent_watch import signal_group
 from tutorial.system.paths import PACKAGE
 
 DONE = b"done\n"
-LIMIT = 120.0  # [s] for a whole check; the watchdog ends what takes long far earlier
+LIMIT = 120.0  # [s] for a whole check; the watchdog usually stops a slow answer much earlier
 OUTPUT_KEPT = 20_000  # bytes
-REST = 1.0  # [s] for reading what was printed, if a process that the answer has started still holds the pipe
-CLINGS = "The answer runs in a process of its own: let it take what it needs from config, io or its arguments."
+REST = 1.0  # [s] for reading the rest of the output, in case a process that the answer started keeps the pipe open
+CLINGS = "The answer runs in a separate process, so take everything that it needs from config, io or its arguments."
 OWN_LOOP = "The answer runs in a process with its own event loop: write asyncio.get_running_loop() instead."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
 
 
 async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
-    """Judge an answer in a process of its own, while the event loop goes on.
+    """Judge an answer in a separate process, while the event loop keeps running.
 
     Args:
         module: the exercise's module.
-        name: the exercise's name in it.
+        name: the exercise's name in that module.
         answer: the learner's class or function.
 
     Returns:
-        The findings, and the lines that the learner's code has printed.
+        The findings, and the lines that the learner's code printed.
 
     Raises:
         TutorialError: no ROS domain is free.
@@ -54,11 +54,11 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
 
 
 async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | None]:
-    """Run the process to its end. Return the lines that it has reported, what was printed, and the exit status."""
+    """Run the process to its end. Return the reported lines, the learner's output, and the exit status."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
     ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    # The process draws nothing, so MuJoCo need not search for OpenGL, which takes long.
+    # The process draws nothing, so MuJoCo can skip its slow search for OpenGL.
     process = await _start({**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1", "MUJOCO_GL": "disable"})
     assert process.stdin is not None
     assert process.stdout is not None
@@ -82,7 +82,7 @@ async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | N
 
 
 async def _start(environment: Mapping[str, str]) -> Process:
-    """Start the process. It reports the findings on stdout; what the learner's code prints goes to stderr."""
+    """Start the process. It reports the findings on stdout; the output of the learner's code goes to stderr."""
     command = sys.executable, "-P", "-u", "-m", "tutorial.checks.engine.child"
     return await asyncio.create_subprocess_exec(
         *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, env=environment
@@ -90,21 +90,21 @@ async def _start(environment: Mapping[str, str]) -> Process:
 
 
 async def _keep(printed: Any, output: bytearray) -> None:
-    """Read everything that is printed, and keep the beginning."""
+    """Read all output, and keep its beginning."""
     while piece := await printed.read(OUTPUT_KEPT):
         output += piece[: OUTPUT_KEPT - len(output)]
 
 
 def _findings(told: Sequence[bytes], files: Collection[str], status: int | None) -> tuple[Finding, ...]:
-    """Return the findings; if the process crashed or was ended, the last one says so.
+    """Return the findings. If the process crashed or was killed, the last one says so.
 
     Args:
-        told: the lines that it has reported.
+        told: the lines that the process reported.
         files: the files of the learner's code.
         status: the exit status.
     """
     findings = [msgspec.json.decode(line, type=Finding) for line in told if line.startswith(b"{")]
-    if DONE not in told:  # the other lines are what Python itself wrote when it died
+    if DONE not in told:  # then the other lines are Python's own traceback
         findings.append(_bad_end(b"".join(told).decode(errors="replace"), files, status or 0))
     return tuple(findings)
 
@@ -113,13 +113,13 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
     frames = _FRAME.findall(trace)
     place = next((Place(file, int(line), name) for file, line, name in frames if file in files), None)
     if "Timeout (" in trace:
-        text, cause = "Python itself has come to a halt", "A call into C did not return, and let nothing else run."
+        text, cause = "Python itself hangs", "A call into C code probably did not return, and blocked all threads."
     elif status >= 0:
-        text = f"the process was ended, with exit status {status}"
-        cause = "You probably end the whole process, as os._exit does. A controller only returns."
+        text = f"the process exited with status {status}"
+        cause = "You probably exit from the whole process, as os._exit does. A controller only returns."
     else:
-        text = f"the process was ended by the signal {signal.Signals(-status).name}"
-        cause = "Something outside of Python probably went wrong, such as a wrong call of a library."
+        text = f"the process was killed by the signal {signal.Signals(-status).name}"
+        cause = "Something outside of Python probably failed, such as a wrong call into a C library."
     return wrong(text, cause, place)
 
 
@@ -130,6 +130,6 @@ def _clinging(answer: Any, error: Exception) -> Finding:
             pickled(None if value is answer else value)
         except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
             own, kind = name.rpartition(".")[2], type(value).__name__
-            text = f"{answer.__name__} uses {own}, an object of the class {kind}, that belongs to the notebook"
+            text = f"{answer.__name__} uses {own}, an object of the class {kind} that belongs to the notebook"
             return wrong(text, OWN_LOOP if isinstance(value, asyncio.AbstractEventLoop) else CLINGS)
-    return wrong(f"the answer cannot be run in a process of its own: {error}", CLINGS)
+    return wrong(f"the answer cannot run in a separate process: {error}", CLINGS)

@@ -1,6 +1,6 @@
-"""Diagnose: find out why an answer is wrong, by comparing it with the solution and with the solution's mistakes.
+"""Diagnose: find out why an answer is wrong, by comparing it with the solution with and without known mistakes.
 
-The diagnosis is the smallest set of mistakes with which the solution does in every case what the answer did.
+The diagnosis is the smallest set of mistakes that makes the solution behave like the answer in every case.
 """
 
 import time
@@ -15,17 +15,17 @@ from tutorial.checks.engine.slips import another, missing
 from tutorial.checks.engine.twins import Twins
 from tutorial.errors import TutorialError
 
-LONGEST = 20.0  # [s] in which mistakes are tried, so that the check also ends on a busy machine
+LONGEST = 20.0  # [s] for trying mistakes, so the check also ends on a busy machine
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
 
 
 class Why(Enum):
     """Why an observation is wrong, if no known mistake explains it."""
 
-    CLOCK = auto()  # the answer asks the computer's clock
+    CLOCK = auto()  # the answer reads the computer's clock
     MEANING = auto()  # see `Case.meaning`
-    CRASH = auto()  # the answer raised an exception, and the case's meaning explains that, too; the check ends there
-    EXCEPTION = auto()  # the answer raised an exception, which has to say itself why; the check ends there
+    CRASH = auto()  # the answer raised an exception, and the case's meaning explains it; the check ends here
+    EXCEPTION = auto()  # the answer raised an exception that only its own message explains; the check ends here
 
 
 @dataclass(frozen=True)
@@ -33,22 +33,22 @@ class Diagnosis:
     """Why an answer is wrong.
 
     Attributes:
-        causes: by the label of the case that shows it, the mistake, or what else explains the case. A case that is
-            odd and not named here follows from one that is.
+        causes: by case label, the mistake or other cause that the case shows. An odd case without an entry is a
+            consequence of these causes.
     """
 
     causes: Mapping[str, Fault | Why]
 
 
-# Mistakes that explain an answer, and the observations aside, which have to be explained by themselves
+# Mistakes that explain an answer, and the observations set aside, which need causes of their own.
 _Explanation = tuple[Sequence[Fault], Sequence[Observation]]
 
 
 def diagnose(seen: Observations, twins: Twins) -> Diagnosis:
-    """Find the causes of what is odd about an answer.
+    """Find the causes of an answer's odd observations.
 
     Args:
-        seen: what the cases have shown of it.
+        seen: all observations of the answer.
         twins: tries the solution with mistakes.
     """
     odd = seen.odd
@@ -67,7 +67,7 @@ def diagnose(seen: Observations, twins: Twins) -> Diagnosis:
 
 
 def _own_cause(odd: Observation, twins: Twins) -> Why:
-    """Return why an observation is wrong that no mistake explains."""
+    """Return the cause of a wrong observation that no mistake explains."""
     if not odd.failed:
         return Why.MEANING
     is_crash = isinstance(odd.value.error, CRASHES) or "NoneType" in str(odd.value.error)
@@ -76,7 +76,7 @@ def _own_cause(odd: Observation, twins: Twins) -> Why:
 
 
 def _explanation(seen: Observations, twins: Twins) -> _Explanation:
-    """Explain all observations, or all but those that have a meaning in common, or that raised an exception."""
+    """Explain all observations, or all except those that share a meaning or raised an exception."""
     failed = [each for each in seen.all if each.failed]
     misused = [each for each in failed if each.is_misuse]
     alike = _with_the_same_meaning(seen, twins)
@@ -89,7 +89,7 @@ def _explanation(seen: Observations, twins: Twins) -> _Explanation:
 
 
 def _with_the_same_meaning(seen: Observations, twins: Twins) -> list[list[Observation]]:
-    """Return the odd observations whose cases have a meaning of their own, grouped by meaning."""
+    """Return the odd observations whose cases define a meaning, grouped by meaning."""
     groups = dict[str, list[Observation]]()
     for each in seen.odd:
         groups.setdefault(twins.cases.meaning_of(each.case), []).append(each)
@@ -102,7 +102,7 @@ def _each_once(*groups: list[Observation]) -> list[list[Observation]]:
 
 
 def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> dict[str, Fault]:
-    """Return by case the mistake that it shows: each mistake is shown by the first case that it makes wrong alone."""
+    """Assign each mistake to the first free case that it alone makes wrong; return the mistakes by case label."""
     shown, free = dict[str, Fault](), [*odd]
     for fault in found:
         first = next((each for each in free if twins.shows(each.case, fault)), next(iter(free), None))
@@ -113,7 +113,7 @@ def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> 
 
 
 def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[Fault, ...]:
-    """Return the fewest mistakes, one or two, that lead to exactly these observations; () if none are known.
+    """Return the fewest mistakes, one or two, that lead to exactly these observations; () if there are none.
 
     Args:
         seen: the observations.
@@ -137,8 +137,8 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
 class _Search:
     """The candidates for an explanation, in the order in which they are tried.
 
-    A candidate is first tried in the last odd case, which shows the most. Slips are left out if only one case is odd
-    or an exception was raised: too many of them would fit.
+    A candidate is tried first in the last odd case, which usually reveals the most. Slips are left out if only one case
+    is odd or an exception was raised: too many of them would fit.
     """
 
     def __init__(self, seen: Sequence[Observation], odd: Sequence[Observation], twins: Twins) -> None:
@@ -146,7 +146,7 @@ class _Search:
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
         self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
         self._leading = [each for each in self._known if same(twins.does(self._last.case, each), self._last.value)]
-        # Odd cases are tried first, because another mistake most likely does something else there; then the quickest.
+        # Odd cases come first, because a wrong candidate most likely differs there; then the fastest ones.
         self._quickest = sorted(seen, key=lambda each: (not each.is_odd, each.seconds))
 
     def single(self) -> Iterator[tuple[Fault, ...]]:
@@ -158,10 +158,10 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield two mistakes at a time of which one leads to the last odd observation, or both show there.
+        """Yield pairs of mistakes: one leads to the last odd observation, or both make that case wrong.
 
-        There are none for an answer that failed in the first case or was tried in less than half of the cases: two
-        mistakes would only be a guess.
+        There are no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a
+        pair would only be a guess.
         """
         cases = self._twins.cases
         if self._seen[0].failed or cases.one_by_one or 2 * len(self._seen) < len(cases.cases):
@@ -173,5 +173,5 @@ class _Search:
                 yield two
 
     def leads_to_all(self, faults: tuple[Fault, ...]) -> bool:
-        """Whether the solution with these mistakes does in every case what the answer did."""
+        """Whether the solution with these mistakes behaves like the answer in every case."""
         return all(same(self._twins.does(each.case, *faults), each.value) for each in self._quickest)

@@ -1,6 +1,6 @@
-"""Exceptions in the learner's code: their most likely causes, by their types and by CPython's messages.
+"""Exceptions in the learner's code: their most likely causes, by type and by CPython's message.
 
-CPython may change its messages. An exception whose message has no entry here is shown without a specific cause.
+CPython can change its messages. An exception whose message has no entry here is reported without a specific cause.
 """
 
 import dis
@@ -12,18 +12,18 @@ from typing import Any
 
 from tutorial.controller import SimpleController
 
-AT_ONCE = "You probably call the callback at once. Pass it without parentheses: self.{}."
+AT_ONCE = "You probably call the callback right away. Pass it without parentheses: self.{}."
 NO_ARGUMENTS = "__init__ gets no arguments: configure(self, config) gets config, and initialize(self, io) gets io."
-_STEPS = "The simulation calls {} once per step, so the loop is the simulation's: return at once. To wait, count steps."
+_STEPS = "The simulation calls {} once per step, so it needs no loop of its own: return at once. To wait, count steps."
 _RETURNS = {
     "control": _STEPS,
     "aim": _STEPS,
-    "unconfigure": "To wait for a thread's end, join it. An empty queue does not mean that the thread has ended.",
+    "unconfigure": "To wait for the end of a thread, join it. An empty queue does not mean that the thread has ended.",
     "update": "{} runs on the main thread, which does nothing else until it returns: draw, and return.",
-    "callback": "{} is a callback: it keeps the message or posts a call, and returns. It never waits or repeats.",
+    "callback": "{} is a callback: keep the message or post a call, and return. Never wait or loop in a callback.",
 }
-"""Why a method has to return at once, by its name."""
-_PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and shuts rclpy down."
+"""By method name, why the method must return at once."""
+_PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node, config.node, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
@@ -31,16 +31,16 @@ _KEEP = {
     **{each: f"You probably don't keep it in configure: self.{each} = config.{each}." for each in _CONFIG},
 }
 _UNSET = "You probably read it before anything has set it: "
-_LIFE = "configure comes first, then initialize, then control; a message may come as soon as there is a subscription."
+_LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as there is a subscription."
 _CLASS = "You probably forgot the parentheses: {0} alone is the class, {0}(...) makes an object of it."
-_GENERAL = "Fix this line first. The check has not tried what comes after it."
+_GENERAL = "Fix this line first. The check has not tried anything after it."
 _CAUSES = {
-    r"RuntimeError: .*event loop": "You probably use the event loop on another thread than the main one. Post a "
-    "call, self.call_later(self.update, message): the posted call may use the loop.",
+    r"RuntimeError: .*event loop": "You probably use the event loop outside of the main thread. Post a call, "
+    "self.call_later(self.update, message): the posted call can use the loop.",
     r"AttributeError: 'tuple'": "This is a tuple. Unpack it, as in positions, report = match_joints(...).",
     r"AttributeError: type object '(\w+)'": _CLASS,
     r"AttributeError: .* has no attribute '(?:nano)?sec'": "The stamp is probably a number, or a Time that "
-    "is not a message. Make a message of it: Time(nanoseconds=self.io.time_ns).to_msg().",
+    "is not a message. Convert it to a message: Time(nanoseconds=self.io.time_ns).to_msg().",
     r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict. Use a tuple of numbers, or a name.",
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
@@ -73,12 +73,12 @@ def likely_cause(error: BaseException, answer: Any) -> str:
 
 
 def slept(method: str) -> str:
-    """Say what to change in a method that sleeps."""
-    return f"Don't sleep or wait. {_returns(method) or 'Nothing else goes on until it returns.'}"
+    """Return the advice for a method that sleeps."""
+    return f"Don't sleep or wait. {_returns(method) or 'Nothing else runs until it returns.'}"
 
 
 def endless(method: str) -> str:
-    """Say why a method probably does not return."""
+    """Return the most likely reason why a method does not return."""
     return (
         _returns(method) or "The condition of a loop probably never becomes false, or the method waits for something."
     )
@@ -90,7 +90,7 @@ def _returns(method: str) -> str:
 
 
 def _no_self(function: Any) -> str:
-    """Say how to begin a method whose ``self`` is missing; return an empty text for any other method."""
+    """Return the advice for a method that lacks ``self``, or an empty string for any other method."""
     code = function.__code__
     arguments = code.co_varnames[: code.co_argcount]
     if code.co_flags & inspect.CO_VARARGS or arguments[:1] == ("self",):
@@ -99,7 +99,7 @@ def _no_self(function: Any) -> str:
 
 
 def _unset(answer: type, name: str) -> str:
-    """Say why the learner's object probably lacks an attribute."""
+    """Return the most likely reason why the learner's object lacks an attribute."""
     codes = {each: value.__code__ for each, value in vars(answer).items() if inspect.isfunction(value)}
     for method, code in codes.items():
         if name in code.co_varnames[code.co_argcount :]:

@@ -1,14 +1,14 @@
-"""What goes wrong in the learner's code: an exception that it raises, or a call that cannot work."""
+"""Failures of the learner's code: an exception, or a call that cannot work."""
 
 from tutorial.checks.engine.verdict import Place
 
 
 class Misuse(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
-    """Something is used in a way that cannot work, for a reason that the check knows.
+    """The learner's code does something that cannot work, for a reason that the check knows.
 
     Args:
         text: what the learner's code does.
-        cause: the most likely reason, as a sentence.
+        cause: the most likely cause, as a sentence.
     """
 
     def __init__(self, text: str, cause: str) -> None:
@@ -20,8 +20,8 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
     """One of the learner's methods raised an exception.
 
     Args:
-        method: its name.
-        error: what it raised.
+        method: the method's name.
+        error: the exception.
         place: the innermost line of the learner's code.
     """
 
@@ -38,9 +38,10 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
 
     @property
     def kind(self) -> tuple[type[BaseException], str]:
-        """What two failures share if they count as the same observation.
+        """Two failures of the same kind count as the same observation.
 
-        A `Misuse` is identified by its cause, and a call that lacks a required argument by the method.
+        The kind is the exception's type, together with the cause of a `Misuse`, or with the method whose call lacks a
+        required argument.
         """
         called_in = self.method * ("required positional argument" in str(self.error))
         return type(self.error), getattr(self.error, "cause", called_in)

@@ -1,4 +1,4 @@
-"""Instruments: they note how the learner's code uses time and threads, and can stop the clocks for it."""
+"""Instruments: they record how the learner's code uses time and threads, and can stop its clocks."""
 
 import queue
 import sys
@@ -19,15 +19,15 @@ NOTED = (
     *((time, "sleep", "sleep"), (threading.Condition, "wait", "sleep"), (threading.Thread, "start", "thread")),
     *((time, name, "clock") for name in CLOCKS),
 )
-"""What is noted: a module or class, the name of its function, and the name by which a `Trial` notes it."""
+"""The recorded functions: a module or class, the function's name, and its key in `Trial.noted`."""
 
 _BETWEEN = {module.__file__ for module in (threading, queue, futures, pools)}
 
 
 class Instruments:
-    """Replace functions of `time` and `threading` within ``with``, so that the current trial notes the learner's calls.
+    """Replace functions of `time` and `threading` in a ``with`` block, so the current trial notes the learner's calls.
 
-    Calls from any other code go through unchanged.
+    Calls from any other code are passed on unchanged.
 
     Attributes:
         trial: the current trial, None before the first one.
@@ -49,12 +49,12 @@ class Instruments:
         self._replaced.close()
 
     def begin(self, answer: Any, watched: Collection[str] | None = None, is_timed: bool = True) -> Trial:
-        """Begin a trial, which is the current one until the next one begins. The arguments are those of `Trial`."""
+        """Begin a new current trial. The arguments are those of `Trial`."""
         self.trial = Trial(answer, watched, is_timed, self._kept)
         return self.trial
 
     def _noting(self, what: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Wrap a function so that it notes the learner's calls and, if it is a clock, stands still for them."""
+        """Wrap a function so that it notes the learner's calls. A clock stands still for them if the trial stops it."""
 
         @wraps(function)
         def noting(*args: Any, **kwargs: Any) -> Any:
@@ -71,7 +71,7 @@ class Instruments:
 
 
 def _caller() -> FrameType:
-    """Return the frame that calls, even if it calls through another function of the same library."""
+    """Return the caller's frame, skipping those of the replaced functions' own libraries."""
     frame = sys._getframe(2)
     while frame.f_code.co_filename in _BETWEEN and frame.f_back is not None:
         frame = frame.f_back

@@ -1,4 +1,4 @@
-"""Interleaving: run two threads in the worst order, by giving one a turn between any two instructions of the other."""
+"""Interleaving: find races between two threads, by running one between any two instructions of the other."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -12,26 +12,26 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.memory_node import MemoryNode
 from tutorial.checks.engine.trial import Trial
 
-TURN = 0.05  # [s]; a thread that waits for a lock of the interrupted function would wait for ever
-MESSAGES = 100  # that arrive while a controller is configured, one at each instruction
+TURN = 0.05  # [s]; without a limit, a turn that needs the interrupted function's lock would never end
+MESSAGES = 100  # arrive while a controller is configured, one at each instruction
 
-EARLY = "You probably create the subscription before what its callback uses, so it finds nothing. Create it last."
+EARLY = "You probably create the subscription before the attributes that its callback uses. Create it last."
 
 
 def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:
-    """Run a function on this thread, and interrupt the learner's code in it by another thread.
+    """Run a function on this thread, and interrupt the learner's code in it from another thread.
 
-    A scheduler interrupts at random; this tries every place, so it finds or excludes a race, rather than meeting it by
-    chance. A turn that cannot go on because the function holds a lock ends after the function.
+    A scheduler interrupts at random. With this function a check can try every place, so it finds or excludes a race
+    for certain. A turn that waits for a lock of the function ends after the function.
 
     Args:
         trial: the trial whose code is interrupted.
-        function: what runs on this thread.
-        between: what the other thread runs.
+        function: the function to run on this thread.
+        between: the function to run on the other thread.
         at: the number of the instruction to interrupt, from 0; None for every instruction.
 
     Returns:
-        Whether the function had so many instructions.
+        Whether the function reached that instruction.
 
     Raises:
         Exception: whatever the function or the other thread raised.
@@ -51,22 +51,22 @@ def interleave(trial: Trial, function: Callable[[], object], between: Callable[[
     def enter(frame: FrameType, _event: str, _argument: Any) -> Any:
         if frame.f_code.co_filename not in trial.watched:
             return None
-        frame.f_trace = step  # Python 3.13 stops at instructions only if this is set already
+        frame.f_trace = step  # Python 3.13 traces instructions only if this is set first
         frame.f_trace_opcodes = True
         return step
 
     with traced(trial, enter), ThreadPoolExecutor(1) as other:
         function()
     for turn in turns:
-        turn.result()  # raises what the other thread raised
+        turn.result()  # raises the other thread's exception
     return at is None or count > at
 
 
 @contextmanager
 def traced(trial: Trial, enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
-    """Trace this thread's code, instruction by instruction if a frame asks for that."""
+    """Trace this thread's code, instruction by instruction in frames that request it."""
     before = sys.gettrace()
-    sys._getframe().f_trace_opcodes = True  # Python 3.12 checks only in settrace whether any frame asks for that
+    sys._getframe().f_trace_opcodes = True  # Python 3.12 looks for frames that request it only in settrace
     trial.is_interleaved = True
     sys.settrace(enter)
     try:
@@ -77,11 +77,11 @@ def traced(trial: Trial, enter: Callable[[FrameType, str, Any], Any]) -> Iterato
 
 
 def early(make: Callable[..., Any], message: Any) -> Run:
-    """Observe whether the callback can run as soon as there is a subscription, while `configure` goes on.
+    """Observe whether the callback can run as soon as there is a subscription, while `configure` is still running.
 
     Args:
         make: makes a `Rig` or a `Viewer`, which configures the controller, from a trial and a node.
-        message: arrives again and again, between any two instructions of `configure`.
+        message: the message that arrives between any two instructions of `configure`.
     """
 
     def run(trial: Trial) -> str:
@@ -90,7 +90,7 @@ def early(make: Callable[..., Any], message: Any) -> Run:
                 try:
                     trial.call(callback, message)
                 except Failure as failure:
-                    text = f"the first message comes while configure runs: {failure.error}"
+                    text = f"the first message arrives while configure runs: {failure.error}"
                     raise Failure(failure.method, Misuse(text, EARLY), failure.place) from failure
 
         node, left = MemoryNode(trial), iter(range(MESSAGES))

@@ -1,4 +1,4 @@
-"""A node in memory: as much of rclpy's node as a controller uses, without any middleware."""
+"""A node in memory: the part of rclpy's node that a controller uses, without any middleware."""
 
 import inspect
 import sys
@@ -14,12 +14,12 @@ from tutorial.checks.engine.exceptions import AT_ONCE
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 
-IN_STOP = "You probably destroy it in stop, so a restart finds none. Destroy it in unconfigure."
+IN_STOP = "You probably destroy it in stop, so it is missing after a restart. Destroy it in unconfigure."
 THE_NODE = "config.node belongs to the whole program. In unconfigure destroy only the {0}: {1}."
 TOO_MANY = (
     "You probably make one at every start, or super().configure(config) makes another. Make one {0}, in configure."
 )
-LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not tell the node."
+LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not reach the node."
 
 
 class Endpoint:
@@ -30,7 +30,7 @@ class Endpoint:
         topic_name: the topic's full name.
         callback: a subscription's callback; None for a publisher.
         depth: how many messages a subscription keeps while its thread is busy.
-        destroyed: whether the learner has destroyed it.
+        destroyed: whether the learner has destroyed the endpoint.
     """
 
     def __init__(self, node: "MemoryNode", kind: type, topic: str, qos: Any, callback: Any = None) -> None:
@@ -48,28 +48,28 @@ class Endpoint:
         self._node.publish(self, message)
 
     def destroy(self) -> None:
-        """Destroy it without telling the node."""
+        """Destroy the endpoint without notifying the node."""
         self.destroyed = True
 
     def get_subscription_count(self) -> int:
-        """Return 1, as if another program listened."""
+        """Return 1, as if another program were connected."""
         return 1
 
     get_publisher_count = get_subscription_count
 
 
 class MemoryNode:
-    """As much of rclpy's node as a controller uses. No message leaves it.
+    """The part of rclpy's node that a controller uses. No message leaves it.
 
     Args:
         trial: notes that the answer makes a timer.
-        publish: takes a publisher and the message that it publishes.
-        namespace: the namespace of its topics.
+        publish: called with a publisher and each message that it publishes.
+        namespace: the node's namespace.
 
     Attributes:
         get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
         made: all publishers and subscriptions that were ever made.
-        kept: those that the node still has, also if one was destroyed without telling the node.
+        kept: those that the node still has, including any that were destroyed without notifying the node.
         destroyed: whether the learner has destroyed the node itself.
     """
 
@@ -91,7 +91,7 @@ class MemoryNode:
         """Make a subscription.
 
         Raises:
-            Misuse: the callback cannot work.
+            Misuse: the callback is not a plain function.
         """
         _check_callback(callback, msg_type)
         return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
@@ -110,29 +110,29 @@ class MemoryNode:
         return [each.callback for each in self.subscriptions if each.kind is type(message)]
 
     def on(self, kind: type, topic: str) -> str:
-        """Say on which topics the answer sends or hears messages of a class; only this topic if it is one of them."""
+        """Name the topics that the answer uses for messages of a class; only the given one if it is among them."""
         made = [each.topic_name for each in self.made if each.kind is kind]
         wanted = expand_topic_name(topic, "tank", self.namespace)
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
 
     def check_left(self) -> str:
-        """Say that the answer has left nothing behind.
+        """Check that the answer has left nothing behind, and say so.
 
         Raises:
-            Failure: it has.
+            Failure: something is left, or the node is destroyed.
         """
         if not self.kept and not self.destroyed:
             return "nothing is left"
-        alone = " and does not know that they are destroyed" * any(each.destroyed for each in self.kept)
+        alone = " and does not know that they were destroyed" * any(each.destroyed for each in self.kept)
         left = f"the node still has {len(self.kept)} of {len(self.made)} topics{alone}"
         cause = TOO_MANY if len(self.kept) < len(self.made) else LEFT
         if self.destroyed:
-            left, cause = "the program's node is gone", THE_NODE
+            left, cause = "it destroys the program's node", THE_NODE
         kind = "subscription" if self.subscriptions else "publisher"
         raise Failure("unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")))
 
     def destroy_node(self) -> None:
-        """Note that the learner destroys the whole node."""
+        """Note that the learner has destroyed the whole node."""
         self.destroyed = True
 
     def _drop(self, has_callback: bool, endpoint: Endpoint) -> bool:
@@ -155,4 +155,4 @@ def _check_callback(callback: Any, message_type: type) -> None:
         raise Misuse(text, AT_ONCE.format(f"on{name}"))
     if inspect.iscoroutinefunction(callback):
         text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
-        raise Misuse(text, "Write def, not async def. A callback keeps the message or posts a call, and returns.")
+        raise Misuse(text, "Write def, not async def. In a callback, keep the message or post a call, and return.")

@@ -1,4 +1,4 @@
-"""Observe: try an answer in all cases, and keep what each has shown."""
+"""Observe: try an answer in all cases, and keep the observations."""
 
 import time
 from collections.abc import Callable, Collection, Mapping
@@ -20,14 +20,14 @@ UNLIKE = "Something probably has the wrong type, such as a number or an array in
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """What one case has shown of an answer.
+    """The result of one case for an answer.
 
     Attributes:
         case: the case.
-        value: what it has returned, or the `Failure` that ended it.
-        expected: what it returns for the solution.
-        seconds: how long the solution took [s]. The answer took longer if it was the first to need a body's model.
-        noted: what the answer did besides its work, as in `Trial.noted`.
+        value: the case's result for the answer, or the `Failure` that ended it.
+        expected: the case's result for the solution.
+        seconds: how long the solution took [s]. The answer may have taken longer, because it had to compile a model.
+        noted: how the answer used time and threads, as in `Trial.noted`.
     """
 
     case: Case
@@ -38,7 +38,7 @@ class Observation:
 
     @property
     def is_odd(self) -> bool:
-        """Whether the answer did something else than the solution."""
+        """Whether the answer's result differs from the solution's."""
         return not same(self.value, self.expected)
 
     @property
@@ -54,11 +54,11 @@ class Observation:
 
 @dataclass(frozen=True)
 class Observations:
-    """What the cases have shown of an answer.
+    """All observations of an answer.
 
     Attributes:
-        all: by case, in the order in which they were tried. The last one may have ended the check early.
-        changed: the name of a shared object that has changed meanwhile, as `SharedState.changed` returns it.
+        all: one observation per case, in the order of the trials. The last one may have ended the check early.
+        changed: the name of a shared object that changed meanwhile, as `SharedState.changed` returns it.
     """
 
     all: tuple[Observation, ...]
@@ -66,27 +66,27 @@ class Observations:
 
     @property
     def odd(self) -> list[Observation]:
-        """Those that differ from what is expected."""
+        """The observations that differ from the expected ones."""
         return [each for each in self.all if each.is_odd]
 
     def place_of(self, what: str) -> Place | None:
-        """Return where the answer first did something, such as ``"clock"``, in a case that is odd."""
+        """Return where the answer first used something, such as ``"clock"``, in an odd case."""
         return next((each.noted[what] for each in self.odd if what in each.noted), None)
 
 
 def observe(
     cases: Cases, answer: Any, begin: Callable[[Any, Collection[str]], Trial], expected: Callable[[Case], Any]
 ) -> Observations:
-    """Try an answer in one case after the other, to the end or until the rest would say nothing more.
+    """Try an answer in one case after the other, until the remaining ones would reveal nothing more.
 
     Args:
-        cases: what it is tried in.
+        cases: the cases.
         answer: the learner's class or function.
         begin: begins a trial, given the answer and the files whose code is watched.
-        expected: returns what a case shows of the solution.
+        expected: returns a case's result for the solution.
     """
     shared, seen = SharedState(answer), list[Observation]()
-    watched = files_of(answer)  # at once, because the answer's class may later hold functions that are not its own
+    watched = files_of(answer)  # first, because running the answer can add functions of other files to its class
     for case in cases.cases:
         trial = begin(answer, watched)
         value, began = attempt(case.run, trial), time.monotonic()
@@ -98,18 +98,18 @@ def observe(
 
 
 def attempt(run: Run, trial: Trial) -> Any:
-    """Run a case, and return what it observes, or the failure that ends it."""
+    """Run a case, and return its observation, or the failure that ends it."""
     try:
         return run(trial)
     except Failure as failure:
         return failure
-    except Exception as error:  # noqa: BLE001 - an odd answer may lead to anything
-        text = f"the check cannot read what it has made: {type(error).__name__}: {error}"
+    except Exception as error:  # noqa: BLE001 - an odd answer can cause any exception
+        text = f"the check cannot read its result: {type(error).__name__}: {error}"
         return Failure(name_of(trial.answer), error if isinstance(error, Misuse) else Misuse(text, UNLIKE))
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two observations are equal, apart from rounding and from the line of a failure."""
+    """Whether two observations are equal, apart from rounding errors and the lines of failures."""
     match a, b:
         case Failure(), Failure():
             return bool(a.kind == b.kind)

@@ -1,4 +1,4 @@
-"""Publishing: what all exercises about controllers try that publish at a rate, and the mistakes that they share."""
+"""Publishing: the cases and mistakes shared by all exercises about controllers that publish at a rate."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ from tutorial.checks.engine.trial import Trial
 NOTHING = "no message"
 IN_CONFIGURE = "You probably create it in initialize, which runs at every start. Create it once, in configure."
 TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
-ALL_JOINTS = "you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints."
+ALL_JOINTS = "you hard-code the joints' names, or their number. Use all joints of the body: io.body.joints."
 SHARED_BY_ROBOTS = "You probably keep something on the class, which all robots share. Set it on self, in initialize."
-RESTART = "You probably keep something of the run before, or count steps or times from 0. Time goes on after stop."
+RESTART = "You probably keep state from the previous run, or count steps or time from 0. Time continues after stop."
 
-# Observes something, given the rig and the messages that were sent.
+# Returns an observation, given the rig and the sent messages.
 Look = Callable[[Any, list[Sent]], Any]
 
 
@@ -34,8 +34,8 @@ class Publishing:
         topic: the topic without the body's name.
         hz: how many messages to send per simulated second.
         scene: makes a rig, given a trial and options of `Rig`.
-        content: puts into words what messages hold, given the rig and what was sent.
-        time: the expression for the stamp in the solution [ns].
+        content: puts the content of messages into words, given the rig and the sent messages.
+        time: the solution's expression for the stamp [ns].
         namespaces: whether the topic has to be in the node's namespace.
     """
 
@@ -48,13 +48,13 @@ class Publishing:
     namespaces: bool = True
 
     def cases(self, solution: type, own: Sequence[Case], mistakes: Sequence[Mistake], meaning: str) -> Cases:
-        """Put together what an exercise tries and knows, and what all exercises about publishers do.
+        """Combine the cases and mistakes of an exercise with those of all exercises about publishers.
 
         Args:
             solution: the right answer.
-            own: the exercise's own cases. They replace shared ones of the same label.
+            own: the exercise's own cases. They replace shared ones with the same label.
             mistakes: the exercise's own mistakes.
-            meaning: what a case without a meaning of its own means: see `Cases`.
+            meaning: the meaning of cases that define none: see `Cases`.
         """
         labels = {case.label for case in own}
         last = [
@@ -68,8 +68,8 @@ class Publishing:
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
-        topic = f"You probably use another topic or type. Compare with {made}, in configure, without a slash in front."
-        condition = f"You probably test another condition. A message is due when {self.when}."
+        topic = f"You probably use a different topic or type. In configure write {made}, without a leading slash."
+        condition = f"You probably test a different condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
             *[Case("on the body Rover, in the namespace /lab", self.topics("/lab"), topic)] * self.namespaces,
@@ -88,34 +88,34 @@ class Publishing:
 
     @property
     def when(self) -> str:
-        """The condition of the solution for publishing, in Python."""
+        """The solution's condition for publishing, in Python."""
         return f"io.step % round(1 / ({self.hz} * io.time_step)) == 0"
 
     @property
     def wrong_steps(self) -> str:
-        """The meaning of a case in which messages come too often or too rarely."""
+        """The meaning of a case whose messages are too frequent or too rare."""
         return (
-            "You probably hard-code the number of steps, cut it off, don't round it, or count time. "
+            "You probably hard-code the number of steps, truncate it, don't round it, or count time. "
             f"Publish when {self.when}."
         )
 
     @property
     def _stamp(self) -> str:
         return (
-            "You probably leave out the stamp, count it, or take it from another clock, or sec and nanosec don't fit: "
-            f"nanosec starts again at 0 in every second. Set both: Time(nanoseconds={self.time}).to_msg()."
+            "You probably leave out the stamp, count it, or take it from a different clock, or sec and nanosec don't "
+            f"match: nanosec restarts at 0 in every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:
-        """Return the messages that were sent on the topic; those on other topics if there are none."""
+        """Return the messages that were sent on the topic; if there are none, those on other topics."""
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
     def play(self, trial: Trial, seconds: float, ms: float = 10, begins: Sequence[int] = (0, 1), **options: Any) -> Any:
-        """Simulate with steps of so many milliseconds, and return the rig.
+        """Simulate with time steps in milliseconds, and return the rig.
 
-        If the first message is not sent at step 0, the simulation is repeated from step 1: then an answer that counts
-        steps sends when the solution does.
+        If the first message is not sent at step 0, repeat the simulation from step 1: then an answer that counts steps
+        sends at the same steps as the solution.
         """
         for begin in begins:
             rig = self.scene(trial, time_step=ms / 1000, **options)
@@ -127,16 +127,16 @@ class Publishing:
         return rig
 
     def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Run:
-        """Observe what messages hold, or something else about them."""
+        """Observe the content of the messages, or something else about them."""
         return lambda trial: self.held(self.play(trial, seconds, **options), look)
 
     def held(self, rig: Rig, look: Look | None = None) -> Any:
-        """Put into words what the messages of a rig hold."""
+        """Put the content of a rig's messages into words."""
         sent = self.messages(rig)
         return (look or self.content)(rig, sent) if sent else NOTHING
 
     def topics(self, namespace: str) -> Run:
-        """Observe the topic on a node with a namespace."""
+        """Observe the topic on a node in a namespace."""
 
         def run(trial: Trial) -> str:
             node = self.scene(trial, namespace=namespace).node
@@ -147,15 +147,15 @@ class Publishing:
         return run
 
     def rate(self, ms: float) -> Run:
-        """Observe how often a message is sent, with steps of so many milliseconds."""
+        """Observe how often a message is sent, with time steps in milliseconds."""
         return lambda trial: self.often(self.play(trial, 4.3 / self.hz, ms))
 
     def often(self, rig: Rig) -> Any:
-        """Put into words how often a message was sent, together with the number of steps between messages."""
+        """Put into words how often a message was sent; if it is wrong, add the numbers of steps between messages."""
         time_step, steps = rig.io.time_step, [each.step for each in self.messages(rig)]
         if len(steps) < 2:
             if rig.has_threads:
-                raise Failure("control", Misuse("it starts a thread of its own", APART), rig.trial.noted.get("thread"))
+                raise Failure("control", Misuse("it starts its own thread", APART), rig.trial.noted.get("thread"))
             return f"{len(steps) or 'no'} message in {rig.io.time:.2g} s"
         if len({*steps}) < len(steps) and not rig.has_threads:
             raise Failure("control", Misuse("it publishes several messages in one step", TOGETHER))
@@ -163,25 +163,25 @@ class Publishing:
             return f"{self.hz} times per simulated second"
         periods = [b - a for a, b in pairwise(steps)]
         rate, first = len(periods) / (sum(periods) * time_step or 1), steps[0] * time_step
-        return {f"{rate:.3g} times per simulated second, from {first:.3g} s on": periods}
+        return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Whether messages were sent at the rate, as nearly as whole steps allow, and from the beginning."""
+        """Whether messages were sent from the beginning, at the rate to within rounding to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
         return len(steps) > 3 and steps[0] - rig.begun <= exact + 2 and (late <= 1 or is_even)
 
     def stamps(self, trial: Trial) -> Any:
-        """Observe the stamps, with steps of 6 ms, beside the times of sending."""
+        """Compare the stamps with the times of sending, with steps of 6 ms."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
         if not sent:
-            cause = f"You probably count from 0, but a run may begin at another step. Publish when {self.when}."
+            cause = f"You probably count from 0, but a run can begin at any step. Publish when {self.when}."
             raise Failure("control", Misuse("it publishes nothing if the simulation begins at step 1", cause))
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, trial: Trial, **options: Any) -> Any:
-        """Observe what is sent after a restart of the simulation, ten periods later."""
+        """Observe the messages after a restart of the simulation, ten periods later."""
         rig = self.scene(trial, time_step=0.01, **options)
         for begin in (0, 1000 // self.hz):
             rig.sent.clear()
@@ -191,7 +191,7 @@ class Publishing:
         return [self.often(rig), self.held(rig)]
 
     def two(self, trial: Trial, **options: Any) -> Any:
-        """Observe two robots in turns."""
+        """Observe two robots that take turns."""
         rover = self.scene(trial, time_step=0.01, **options)
         lift = self.scene(trial, time_step=0.02, **{"model": "crane", "name": "Lift", **options})
         for rig in (rover, lift):
@@ -203,7 +203,7 @@ class Publishing:
         return [look(rig) for rig in (rover, lift) for look in (self.often, self.held)]
 
     def on_ros(self, trial: Trial) -> str:
-        """Observe whether messages arrive, with rclpy's own node."""
+        """Observe whether messages arrive when rclpy's own node is used."""
         with ros_node() as node:
             rig, arrived = self.scene(trial, node=node, time_step=0.002), list[Any]()
             node.create_subscription(self.kind, f"/Rover/{self.topic}", arrived.append, qos_profile_sensor_data)
@@ -220,19 +220,19 @@ class Publishing:
 
 
 def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any], str]) -> Any:
-    """Put into words the first value that differs from the wanted one, together with all values.
+    """Put the first wrong value into words, and return it together with all values.
 
     Args:
-        pairs: the values that were sent, each with the wanted one.
-        right: what to say if nothing differs.
+        pairs: the sent values, each with the expected one.
+        right: the result if no value is wrong.
         word: puts a value into words.
     """
-    odd = [f"{word(seen)} in place of {word(wanted)}" for seen, wanted in pairs if not same(seen, wanted)]
+    odd = [f"{word(seen)} instead of {word(wanted)}" for seen, wanted in pairs if not same(seen, wanted)]
     return {odd[0]: [seen for seen, _ in pairs]} if odd else right
 
 
 def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
-    """Put stamps [ns] into words, given with what they should be [ns]."""
+    """Put stamps [ns] into words, each given with the expected stamp [ns]."""
     if not pairs:
         return NOTHING
     if any(stamp > 10**18 for stamp, _ in pairs):
@@ -241,5 +241,5 @@ def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
 
 
 def say(seen: Any) -> str:
-    """Put an observation into words; of a mapping only the keys."""
+    """Put an observation into words; for a mapping, only its keys."""
     return "; ".join(map(say, seen)) if isinstance(seen, list | dict) else str(seen)

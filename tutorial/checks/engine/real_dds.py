@@ -1,4 +1,4 @@
-"""Real DDS: rclpy's own node, on which a right answer is tried in the end."""
+"""Real DDS: a right answer is finally tried on rclpy's own node."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -10,12 +10,12 @@ from rclpy.node import Node
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 
-PATIENCE = 10.0  # [s]; only something that never happens takes so long
+PATIENCE = 10.0  # [s]; only an event that never happens takes this long
 
 
 @contextmanager
 def ros_node() -> Iterator[Any]:
-    """Make a node whose callbacks run on a thread of its own."""
+    """Make a node whose callbacks run on a separate thread."""
     with SpinThread(Node, "tank") as thread:
         yield thread.node
 
@@ -27,13 +27,13 @@ def send(node: Any, topic: str, message: Any, done: Callable[[], object]) -> Non
         node: the learner's node.
         topic: the topic.
         message: the message.
-        done: whether the message has had an effect.
+        done: returns whether the message has had an effect.
 
     Raises:
         TutorialError: the message does not arrive.
     """
     publisher = node.create_publisher(type(message), topic, 10)
-    wait(publisher.get_subscription_count, "no message reaches the subscription. Is its QoS 1?")
+    wait(publisher.get_subscription_count, "no message reaches the subscription. Check its QoS: it should be 1.")
     publisher.publish(message)
     wait(done, "a message from another program has no effect")
 
@@ -42,7 +42,7 @@ def wait(condition: Callable[[], object], complaint: str) -> None:
     """Wait until a condition is true.
 
     Raises:
-        TutorialError: it never is; the complaint is the message.
+        TutorialError: the condition stays false for too long; the complaint is the error's message.
     """
     deadline = time.monotonic() + PATIENCE
     while not condition():

@@ -1,4 +1,4 @@
-"""Report: put a diagnosis into sentences for the learner."""
+"""Report: turn a diagnosis into sentences for the learner."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,13 +13,13 @@ from tutorial.checks.engine.verdict import Finding, Place, right, wrong
 
 
 def report(cases: Cases, answer: Any, seen: Observations, diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Yield a finding for each case, without the odd ones that follow from others.
+    """Yield a finding for each case, except for odd ones that are consequences of others.
 
     Args:
-        cases: what the answer was tried in.
+        cases: the cases of the exercise.
         answer: the learner's class or function.
-        seen: what the cases have shown of it.
-        diagnosis: why it is wrong.
+        seen: all observations of the answer.
+        diagnosis: why the answer is wrong.
     """
     for each in seen.all:
         label, why = each.case.label, diagnosis.causes.get(each.case.label)
@@ -34,12 +34,12 @@ def report(cases: Cases, answer: Any, seen: Observations, diagnosis: Diagnosis) 
 
 
 def finding_of(failure: Failure, answer: Any, cause: str | None = None, label: str = "") -> Finding:
-    """Say what failed, and what most likely caused it.
+    """Return the finding for a failure, with its most likely cause.
 
     Args:
-        failure: what the learner's code did.
+        failure: the failure of the learner's code.
         answer: the learner's class or function.
-        cause: the most likely cause; None for what is known of the exception.
+        cause: the most likely cause; None to derive it from the exception.
         label: the label of the case.
     """
     error = failure.error
@@ -53,7 +53,7 @@ def finding_of(failure: Failure, answer: Any, cause: str | None = None, label: s
 
 
 def _cause(cases: Cases, answer: Any, seen: Observations, odd: Observation, why: Fault | Why) -> str:
-    """Return the sentence for a cause. Shared state explains more than anything but a mistake that is known."""
+    """Return the sentence for a cause. Shared state takes precedence; over a known mistake, only state on a class."""
     if isinstance(why, Fault):
         is_shared, sentence = "." in seen.changed, f"Most likely {why.cause}"
     else:

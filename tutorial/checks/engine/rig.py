@@ -1,4 +1,4 @@
-"""A rig: a learner's controller on a simulated body on which nothing moves by itself."""
+"""A rig: a learner's controller on a simulated body that does not move by itself."""
 
 import threading
 import time
@@ -16,10 +16,10 @@ from tutorial.checks.engine.memory_node import Endpoint, MemoryNode
 from tutorial.checks.engine.trial import Trial
 from tutorial.controller import ControllerConfig, ControllerIO
 
-QUIET = 0.05  # [s] after which a thread of the learner's has published everything
+QUIET = 0.05  # [s]; threads that publish nothing for this long have probably finished
 
 APART = (
-    "You probably publish from a timer or a thread, by the wall clock. Publish in control, and count steps: io.step."
+    "You probably publish from a timer or a thread, on the wall clock. Publish in control, and count steps: io.step."
 )
 
 
@@ -29,9 +29,9 @@ class Sent:
 
     Attributes:
         topic: the topic's full name.
-        step: the simulation's step at which it was published; if another thread published it, that of its stamp.
-        stamp_ns: its stamp [ns]; 0 if it has none.
-        message: a copy of it.
+        step: the simulation step of publishing; if a different thread published the message, the step of its stamp.
+        stamp_ns: its stamp [ns]; 0 if the message has no header.
+        message: a copy of the message.
     """
 
     topic: str
@@ -41,7 +41,7 @@ class Sent:
 
 
 class Rig:
-    """Run a learner's controller on a simulated body on which nothing moves by itself.
+    """Run a learner's controller on a simulated body that does not move by itself.
 
     Args:
         trial: the trial that the rig belongs to.
@@ -55,15 +55,15 @@ class Rig:
     Attributes:
         trial: the trial that the rig belongs to.
         learner: the learner's controller.
-        io: what the controller is initialized with; it knows the step.
-        displayed, body: the displayed body and the simulated one.
+        io: the controller's argument of `initialize`, which holds the current step.
+        displayed, body: the displayed and the simulated body.
         node: the learner's node.
         sent: the published messages.
         begun: the step of the last start.
         has_threads: whether threads of the learner's were running at the last stop.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. So does every method.
+        Failure: one of the learner's methods raised an exception. All methods of a rig raise this, too.
     """
 
     def __init__(
@@ -93,17 +93,17 @@ class Rig:
             getattr(self.learner, method)(*arguments)
 
     def start(self, step: int = 0) -> None:
-        """Start the simulation at a step, also again after `stop`."""
+        """Start the simulation at a step, or restart it after `stop`."""
         self.begun = self.io.step = step
         self.do("initialize", self.io)
         noted = self.trial.noted
         if place := noted.pop("timer", None):
             raise Failure(place.function, Misuse("it makes a timer", APART), place)
         if not has(self.trial.answer, "control") and (place := noted.get("thread")):
-            raise Failure(place.function, Misuse("it starts a thread of its own", APART), place)
+            raise Failure(place.function, Misuse("it starts its own thread", APART), place)
 
     def advance(self, steps: int) -> None:
-        """Simulate some steps."""
+        """Simulate the given number of steps."""
         check_has(self.trial.answer, "control")
         for _ in range(steps):
             self.before()
@@ -117,7 +117,7 @@ class Rig:
             self.trial.call(callback, message)
 
     def stop(self) -> None:
-        """Stop the simulation, and wait for what threads of the learner's still publish."""
+        """Stop the simulation, and wait until the learner's threads publish nothing more."""
         self.has_threads = bool(set(threading.enumerate()) - self._threads)
         self.do("stop")
         before = -1
@@ -126,13 +126,13 @@ class Rig:
             time.sleep(QUIET)
 
     def leave(self) -> str:
-        """Call `unconfigure`, and say that the controller has left nothing behind."""
+        """Call `unconfigure`, check that the controller has left nothing behind, and say so."""
         self.do("unconfigure")
         return str(self.node.check_left())
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
-        # Whole seconds in nanosec count twice, so that they show.
+        # Whole seconds in nanosec are a mistake; count them twice, so the stamp becomes wrong.
         stamp_ns = (stamp.sec + stamp.nanosec // 10**9) * 10**9 + stamp.nanosec
         is_here = threading.current_thread() is self._thread
         step = self.io.step if is_here else round(stamp_ns / 1e9 / self.io.time_step)

@@ -1,4 +1,4 @@
-"""Shared state: what an answer keeps on its class or in the notebook, so that all its objects share it."""
+"""Shared state: values that an answer keeps on its class or in the notebook, where all its objects share them."""
 
 import inspect
 import io
@@ -17,7 +17,7 @@ _DEFAULT = "the default of the argument "
 
 
 class SharedState:
-    """Remember the state that an answer's objects share, to find out later what has changed.
+    """Remember the state that an answer's objects share, to find changes later.
 
     Args:
         answer: the learner's class or function.
@@ -28,7 +28,7 @@ class SharedState:
         self._before = self._now()
 
     def changed(self) -> str:
-        """Return the name of something that has changed, as the learner writes it; empty if nothing has."""
+        """Return the first changed object's name, as the learner writes it; empty if nothing has changed."""
         return next((name for name, value in self._now().items() if self._before.get(name, _NEW) != value), "")
 
     def _now(self) -> dict[str, object]:
@@ -36,14 +36,14 @@ class SharedState:
 
 
 def cause_of_sharing(answer: Any, name: str) -> str:
-    """Say that something is shared, and where it belongs instead.
+    """Say what is shared, and where it belongs instead.
 
     Args:
         answer: the learner's class or function.
-        name: what is shared, as `SharedState.changed` returns it.
+        name: the shared object's name, as `SharedState.changed` returns it.
     """
     if not isinstance(answer, type) or name.startswith(_DEFAULT):
-        return f"You keep {name} from call to call. Make everything that a call needs inside the call."
+        return f"You keep {name} from one call to the next. Create everything that a call needs inside the call."
     return (
         f"{name} is shared by all objects of the class. Give each object its own, "
         f"self.{name.rpartition('.')[2]} = ..., in __init__, configure or initialize."
@@ -51,7 +51,7 @@ def cause_of_sharing(answer: Any, name: str) -> str:
 
 
 def outside(answer: Any) -> Iterator[tuple[str, Any]]:
-    """Yield what outlives an answer's objects or belongs to the notebook, each with its name."""
+    """Yield all values that outlive an answer's objects or belong to the notebook, with their names."""
     for kind in dict.fromkeys([*classes_of(answer), *_own_classes(answer)]):
         yield from _class_attributes(kind)
     for function in functions_of(answer):
@@ -62,7 +62,7 @@ def outside(answer: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _own_classes(answer: Any) -> Iterator[type]:
-    """Yield the classes of the answer's module that the answer uses."""
+    """Yield the classes that the answer uses from its own module."""
     used = (function.__globals__.get(name) for function in functions_of(answer) for name in _names(function.__code__))
     return (each for each in used if isinstance(each, type) and each.__module__ == answer.__module__)
 
@@ -80,7 +80,7 @@ def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def _names(code: CodeType) -> list[str]:
-    """Return the names in a function's code and in the functions inside it."""
+    """Return the names in a function's code, including nested functions."""
     inner = [name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each)]
     return [*code.co_names, *inner]
 
@@ -94,14 +94,14 @@ class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
 
 
 def pickled(value: Any) -> bytes:
-    """Pickle a value with everything that it refers to. A lock is pickled, too: it is unpickled as a new, free one."""
+    """Pickle a value with everything that it refers to. Locks are unpickled as new, free ones."""
     with io.BytesIO() as file:
         _Pickler(file).dump(value)
         return file.getvalue()
 
 
 def _state(value: Any) -> object:
-    """Return something that stays equal until the value changes."""
+    """Return a fingerprint: it stays equal until the value changes."""
     try:
         return pickled(value)
     except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects

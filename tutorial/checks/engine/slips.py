@@ -1,4 +1,4 @@
-"""Slips: mistakes that need no table, made from the solution's source: a statement is missing, a number differs."""
+"""Slips: small mistakes derived from the solution's source, such as a missing statement or a different number."""
 
 import ast
 from collections.abc import Callable, Iterator
@@ -7,9 +7,9 @@ from typing import Any
 from tutorial.checks.engine.cases import Edit, Fault
 
 COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
-FACTORS = (10, 0.1, 2, 0.5, 5)  # by which a number is wrong
+FACTORS = (10, 0.1, 2, 0.5, 5)  # a number in the source is multiplied by each of these
 
-Slips = Iterator[tuple[str, Any, ast.AST]]  # of each the cause, the part that it changes, and the new part
+Slips = Iterator[tuple[str, Any, ast.AST]]  # each slip's cause, the part that it changes, and the new part
 Kind = Callable[[ast.AST], Slips]
 
 
@@ -26,10 +26,10 @@ def slips(kind: Kind, source: str) -> Iterator[Fault]:
 
 
 def missing(node: ast.AST) -> Slips:
-    """Leave out a statement, but no docstring."""
+    """Leave out a statement, except for docstrings."""
     is_docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return) and not is_docstring:
-        yield f"`{ast.unparse(node)}` is missing, or not reached.", node, ast.Pass()
+        yield f"`{ast.unparse(node)}` is missing or never reached.", node, ast.Pass()
 
 
 def another(node: ast.AST) -> Slips:
@@ -43,7 +43,7 @@ def another(node: ast.AST) -> Slips:
             yield from _missing_operands(node)
         case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
             yield f"you don't test `{ast.unparse(test)}`.", test, ast.Constant(True)
-            yield f"your condition is the opposite. It is `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
+            yield f"your condition is reversed. It should be `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
     yield from _other_numbers(node)
 
 
@@ -51,34 +51,34 @@ def _other_operands(node: ast.BinOp) -> Slips:
     code, is_sum = ast.unparse(node), isinstance(node.op, ast.Add | ast.Sub)
     unit = 0 if is_sum else 1  # leaves the other operand unchanged
     for each in (node.left, node.right):
-        yield f"`{ast.unparse(each)}` is missing, or always {unit}. It is `{code}`.", each, ast.Constant(unit)
+        yield f"`{ast.unparse(each)}` is missing, or always {unit}. It should be `{code}`.", each, ast.Constant(unit)
     for signed in (node.left, node.right, node) if is_sum else ():
-        yield f"a sign is wrong. It is `{code}`.", signed, ast.UnaryOp(ast.USub(), signed)
+        yield f"a sign is wrong. It should be `{code}`.", signed, ast.UnaryOp(ast.USub(), signed)
 
 
 def _other_comparisons(node: ast.Compare) -> Slips:
     for kind in COMPARISONS:
         if not isinstance(node.ops[0], kind):
             other = ast.Compare(node.left, [kind()], node.comparators)
-            yield f"you use another comparison. It is `{ast.unparse(node)}`.", node, other
+            yield f"you use a different comparison. It should be `{ast.unparse(node)}`.", node, other
 
 
 def _missing_operands(node: ast.BoolOp) -> Slips:
     neutral = ast.Constant(isinstance(node.op, ast.And))
     for each in node.values:
-        yield f"you don't test `{ast.unparse(each)}`. It is `{ast.unparse(node)}`.", each, neutral
+        yield f"you don't test `{ast.unparse(each)}`. It should be `{ast.unparse(node)}`.", each, neutral
 
 
 def _other_numbers(node: ast.AST) -> Slips:
     for number in ast.iter_child_nodes(node):
         if isinstance(number, ast.Constant) and type(number.value) in (int, float):
             for factor in map(ast.Constant, FACTORS):
-                cause = f"a number differs or is missing. It is `{ast.unparse(node)}`."
+                cause = f"a number differs or is missing. It should be `{ast.unparse(node)}`."
                 yield cause, number, ast.BinOp(number, ast.Mult(), factor)
 
 
 def _changed_lines(source: str, part: Any, other: ast.AST) -> Edit:
-    """Replace the lines of a part, together with as many lines before it as make them unique in the source."""
+    """Replace the lines of a part, starting early enough to make the replaced lines unique in the source."""
     lines = source.splitlines()
     begin, end = part.lineno - 1, part.end_lineno
     instead = f"({ast.unparse(other)})" if isinstance(part, ast.expr) else ast.unparse(other)

@@ -1,4 +1,4 @@
-"""A trial: one attempt at an answer in one case."""
+"""A trial: one run of an answer in one case."""
 
 import threading
 from collections import defaultdict
@@ -22,7 +22,7 @@ class Call:
     """A call of one of the learner's methods that has not returned yet.
 
     Args:
-        method: its name.
+        method: the method's name.
     """
 
     def __init__(self, method: str) -> None:
@@ -30,21 +30,20 @@ class Call:
 
 
 class Trial:
-    """One attempt at an answer in one case. It is handed to the case, and knows what the answer does meanwhile.
+    """One run of an answer in one case. The case receives it, and it records what the answer does.
 
     Args:
         answer: the learner's class or function, or the solution, with or without mistakes in it.
-        watched: the files whose code is observed; by default those that the answer is written in.
-        is_timed: whether the calls of one method may not take long together either.
-        kept: what earlier trials have made and later ones may use again.
+        watched: the files whose code is observed; by default those that contain the answer.
+        is_timed: whether the total time of a method's calls is limited, too.
+        kept: objects of earlier trials that later ones can reuse.
 
     Attributes:
         running: by thread, the calls that have not returned, the innermost last.
-        noted: what the answer has done besides its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``,
-            ``"timer"``, ``"touch"``.
-        clocks: by name, what the clocks of `time` say to the answer while they stand still; None while they run.
-        ahead: by how much these clocks have been put ahead [s].
-        is_interleaved: whether another thread interrupts the answer on purpose, so that its calls take long.
+        noted: where the answer has used ``"sleep"``, ``"clock"``, ``"thread"``, ``"timer"`` or ``"touch"``.
+        clocks: by name, the times that the stopped clocks of `time` show to the answer; None while they run.
+        ahead: how far these clocks were advanced [s].
+        is_interleaved: whether the check interrupts the answer with another thread, which slows its calls down.
     """
 
     def __init__(
@@ -63,31 +62,31 @@ class Trial:
         self._kept = {} if kept is None else kept
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a function of the learner's and return what it returns. Any thread.
+        """Call one of the learner's functions and return its result. Any thread.
 
         Raises:
-            Failure: it raised an exception, or it slept, which no method may.
+            Failure: the function raised an exception, or slept, which no method may do.
         """
         with self.calling(name_of(function)):
             return function(*arguments)
 
     def ask(self, *given: Any, read: Callable[[Any], Any], wanted: str) -> Any:
-        """Call the answer, a function, and read what it returns.
+        """Call the answer, a function, and read its result.
 
         Args:
-            given: its arguments, which it may not change.
-            read: turns what was returned into an observation.
-            wanted: what it should return, as a sentence.
+            given: the arguments, which the answer must not change.
+            read: turns the result into an observation.
+            wanted: what the answer should return, as a sentence.
 
         Raises:
-            Failure: it raised an exception, returned something that cannot be read, or changed its arguments.
+            Failure: the answer raised an exception, returned something unreadable, or changed its arguments.
         """
         before = [*map(str, given)]
         with self.calling(name_of(self.answer)):
             returned = self.answer(*given)
             changed = [type(each).__name__ for each, said in zip(given, before) if str(each) != said]
             if changed:
-                raise Misuse(f"it changes the {changed[0]} that it is given", CHANGED)
+                raise Misuse(f"it changes its argument, the {changed[0]}", CHANGED)
             if isinstance(returned, Iterator):
                 wanted = f"yield and parentheses make an iterator. {wanted}"
             else:
@@ -99,10 +98,10 @@ class Trial:
 
     @contextmanager
     def calling(self, method: str) -> Iterator[None]:
-        """Run code of the learner's as a call of one of the methods. Any thread.
+        """Run the learner's code as a call of the given method. Any thread.
 
         Raises:
-            Failure: it raised an exception, or it slept, which no method may.
+            Failure: the code raised an exception, or slept, which no method may do.
         """
         calls = self.running[threading.get_ident()]
         calls.append(Call(method))
@@ -112,7 +111,7 @@ class Trial:
         except Failure:
             raise
         except BaseException as error:
-            self._check_slept(method)  # what it waited for has not come
+            self._check_slept(method)  # the code may have waited for something that never happened, and then failed
             raise self.failure(method, error) from error
         finally:
             calls.pop()
@@ -122,11 +121,11 @@ class Trial:
         return {ident: call for ident, calls in [*self.running.items()] for call in calls[-1:]}
 
     def failure(self, method: str, error: BaseException) -> Failure:
-        """Return the failure for an exception, with the line of the learner's code that raised it."""
+        """Return the failure for an exception, with the responsible line of the learner's code."""
         return Failure(method, error, self.place(reversed([*walk_tb(error.__traceback__)])))
 
     def note(self, what: str, frame: FrameType) -> None:
-        """Note what the answer does, such as ``"clock"``; a sleep only on a thread that runs one of the methods."""
+        """Note what the answer uses, such as ``"clock"``; a sleep only on a thread that runs one of the methods."""
         if what != "sleep" or self.running[threading.get_ident()]:
             self.noted.setdefault(what, self.place(walk_stack(frame)))
 
@@ -135,7 +134,7 @@ class Trial:
         """Stop the clocks of `time` for the answer.
 
         Args:
-            ahead: by how much they are put ahead first [s].
+            ahead: how far to advance them first [s].
         """
         self.clocks, self.ahead = {}, ahead
         try:
@@ -144,12 +143,12 @@ class Trial:
             self.clocks = None
 
     def place(self, stack: Iterable[tuple[FrameType, int]]) -> Place | None:
-        """Return the innermost watched line of a stack, whose innermost frame comes first."""
+        """Return the first line in a watched file; the stack's innermost frame comes first."""
         found = ((frame.f_code, line) for frame, line in stack if frame.f_code.co_filename in self.watched)
         return next((Place(code.co_filename, line, code.co_name) for code, line in found), None)
 
     def reuse(self, make: Callable[..., Any], *arguments: Hashable) -> Any:
-        """Return what `make` makes of these arguments. It is made once, and later trials get the same object."""
+        """Return ``make(*arguments)``. Only the first trial calls it; later trials get the same object."""
         key = make, *arguments
         if key not in self._kept:
             self._kept[key] = make(*arguments)

@@ -1,6 +1,6 @@
-"""Twins: what the solution does in the cases, and what it does with mistakes in it."""
+"""Twins: copies of the solution with mistakes in them, and how they and the solution behave in the cases."""
 
-from __future__ import annotations  # for the compiled twins, too: an edit may break an annotation
+from __future__ import annotations  # also applies to compiled twins: an edit can break an annotation
 
 import asyncio
 import functools
@@ -19,16 +19,16 @@ from tutorial.checks.engine.observe import attempt, same
 from tutorial.checks.engine.slips import Kind, slips
 from tutorial.checks.engine.trial import Trial
 
-A_MISTAKE = "<a mistake>"  # the file of every twin
+A_MISTAKE = "<a mistake>"  # the file name in every twin's code
 
 
 class Twins:
-    """Try the solution, and its twins with mistakes.
+    """Try the solution and its twins in cases.
 
     Args:
-        cases: what they are tried in, with the solution and the known mistakes.
+        cases: the cases, the solution and the known mistakes.
         begin: begins a trial; its arguments are those of `Trial`.
-        seen: the twins, and what was observed of them and of the solution; new ones are added.
+        seen: a cache of twins, and of observations of the twins and the solution.
     """
 
     def __init__(
@@ -38,27 +38,27 @@ class Twins:
         self._begin, self._seen = begin, {} if seen is None else seen
 
     def expected(self, case: Case) -> Any:
-        """Return what a case observes of the solution."""
+        """Return a case's observation of the solution."""
         if case.label not in self._seen:
-            # What the solution does with time and threads is of no interest, so none of its files is watched.
+            # The solution is known to use time and threads correctly, so its files need not be watched.
             self._seen[case.label] = case.run(self._begin(self.cases.solution, ()))
         return self._seen[case.label]
 
     def does(self, case: Case, *faults: Fault) -> Any:
-        """Return what a case observes of the solution with mistakes; None if they cannot be made."""
+        """Return a case's observation of the solution with mistakes; None if the mistakes exclude each other."""
         if (case.label, faults) not in self._seen:
             twin = self.make(*faults)
             self._seen[case.label, faults] = twin and self.attempt(case, twin)
         return self._seen[case.label, faults]
 
     def shows(self, case: Case, fault: Fault) -> bool:
-        """Whether a mistake alone makes a case's observation wrong."""
+        """Whether a mistake by itself makes a case's observation wrong."""
         return not same(self.does(case, fault), self.expected(case))
 
     def attempt(self, case: Case, twin: Any) -> Any:
-        """Return what a case observes of a twin. What the twin prints is dropped, for the learner did not write that.
+        """Return a case's observation of a twin. The twin's output is discarded, because it is not the learner's.
 
-        Twins are not watched: interrupting the twins for all known mistakes at each instruction would take too long.
+        Twins are not watched: interrupting all of them at every instruction would take too long.
         """
         trial = self._begin(twin, (), False)
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
@@ -69,7 +69,7 @@ class Twins:
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:
-        """Return the solution with mistakes in it; None if one of them leaves nothing for another one to change."""
+        """Return the solution with mistakes in it; None if one mistake removes the text that another one changes."""
         if faults not in self._seen:
             self._seen[faults] = self._define(*faults)
         return self._seen[faults]
@@ -83,12 +83,12 @@ class Twins:
         solution = self.cases.solution
         modules = asyncio, functools, math, itertools, sys.modules[solution.__module__]
         names = {name: value for module in modules for name, value in vars(module).items()}
-        with suppress(SyntaxError):  # one mistake may leave half a statement to the next one
+        with suppress(SyntaxError):  # two mistakes can break a statement together
             exec(compile(source, A_MISTAKE, "exec"), names)
             return names[solution.__name__]
         return None
 
     @cached_property
     def source(self) -> str:
-        """The source that mistakes change: the solution's, and before it that of the functions beside it."""
+        """The source that mistakes change: that of the functions in `Cases.beside`, then the solution's."""
         return "\n\n".join(map(inspect.getsource, (*self.cases.beside, self.cases.solution)))

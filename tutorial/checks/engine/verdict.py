@@ -1,13 +1,13 @@
-"""Verdicts: what a check has found, and how it prints that."""
+"""Verdicts: the findings of a check, and their text."""
 
 import linecache
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-WRONG_SHOWN = 2  # causes; what is wrong further down often follows from the first
+WRONG_SHOWN = 2  # causes; later ones are often consequences of the first
 OUTPUT_SHOWN = 20  # lines
-WIDTH = 200  # characters of a line
+WIDTH = 200  # characters per line
 
 _STAMP = re.compile(r"^\[(\w+)\] \[\d+\.\d+\] ")  # a log line's time, different in every run
 
@@ -17,9 +17,9 @@ class Place:
     """A line of the learner's code.
 
     Attributes:
-        file: as Python knows it; a notebook's cell has one, too.
-        line: its number.
-        function: which function it is in.
+        file: the name of the file or notebook cell in Python's code objects.
+        line: the line number.
+        function: the function that contains the line.
     """
 
     file: str
@@ -33,13 +33,13 @@ class Place:
 
 @dataclass(frozen=True)
 class Finding:
-    """What one case has shown.
+    """The result of one case, as the learner reads it.
 
     Attributes:
-        right: whether the answer did what it should.
-        text: what was tried, and what was observed.
-        cause: if it is wrong, the most likely cause, as a sentence.
-        place: the learner's line that is responsible, if it is known.
+        right: whether the answer passed the case.
+        text: what was tried, and what happened.
+        cause: the most likely cause, as a sentence, if the answer is wrong.
+        place: the responsible line of the learner's code, if known.
     """
 
     right: bool
@@ -58,12 +58,12 @@ class Finding:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Everything that a check has found.
+    """All findings of a check.
 
     Attributes:
-        findings: in the order of the cases; a root cause comes before what follows from it.
+        findings: the findings in the order of the cases; root causes come before their consequences.
         notice: what to notice about a right answer.
-        output: the lines that the learner's code has printed.
+        output: the lines that the learner's code printed.
         advice: the last line for a wrong answer.
     """
 
@@ -74,12 +74,12 @@ class Verdict:
 
     @property
     def right(self) -> bool:
-        """Whether every finding is right, and there is one."""
+        """Whether there are findings, and all of them are right."""
         return bool(self.findings) and all(finding.right for finding in self.findings)
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """The causes of what is wrong, in order, each once."""
+        """The distinct causes of the wrong findings, in order."""
         return tuple(dict.fromkeys(finding.cause for finding in self.findings if not finding.right))
 
     def __str__(self) -> str:
@@ -93,7 +93,7 @@ class Verdict:
         if self.right:
             lines.append(f"All right. {self.notice}")
         elif len(self.causes) > WRONG_SHOWN:
-            lines.append("More is wrong. Fix this first.")
+            lines.append("There is more to fix. Start with this.")
         lines += _quoted(self.output)
         if self.advice and not self.right:
             lines.append(self.advice)
@@ -101,18 +101,18 @@ class Verdict:
 
 
 def cut(text: str) -> str:
-    """Shorten a text to the width of a line, with an ellipsis, and escape the characters that UTF-8 cannot encode."""
+    """Shorten a text to one line, with an ellipsis, and escape characters that UTF-8 cannot encode."""
     shown = text[: WIDTH + 1].encode(errors="backslashreplace").decode()
     return shown if len(shown) <= WIDTH else f"{shown[: WIDTH - 1]}…"
 
 
 def right(text: str) -> Finding:
-    """Make the finding of a case in which the answer did what it should."""
+    """Make the finding for a case that the answer passed."""
     return Finding(True, cut(text))
 
 
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
-    """Make the finding of a case in which it did not."""
+    """Make the finding for a case that the answer failed."""
     return Finding(False, cut(text), cause, place)
 
 

@@ -1,4 +1,4 @@
-"""A viewer: a learner's controller on a displayed body, with messages on another thread and the main thread's queue."""
+"""A viewer: a learner's controller on a displayed body. Messages arrive on a different thread; posted calls wait."""
 
 import inspect
 import sys
@@ -21,20 +21,20 @@ from tutorial.checks.engine.trial import Trial
 from tutorial.controller import ControllerConfig
 from tutorial.handoff import CallQueue, ThreadGuard
 
-PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something
+PATIENCE = 1.0  # [s]; a callback that takes longer is waiting for something
 
-KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
+KEY = "The first argument of call_latest is a key: self.call_latest(self.body.name, self.update, message)."
 SECONDS = "config.call_later takes no seconds. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
-PARENTHESES = "You probably call it at once, with parentheses. Pass the function itself, then its arguments."
+PARENTHESES = "You probably call it right away, with parentheses. Pass the function itself, then its arguments."
 TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
-COROUTINE = "Write def, not async def. To wait, let it start a task: asyncio.create_task(...)."
+COROUTINE = "Write def, not async def. If it has to wait, make it start a task: asyncio.create_task(...)."
 ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 
 
 class _Guard(ThreadGuard):
-    """A guard that stops nobody, but notes ``"touch"`` if another thread than the main one touches the body.
+    """A guard that raises no exceptions, but notes ``"touch"`` if a thread other than the main one uses the body.
 
-    So the check sees what such code does next, for example that it posts what a method has returned.
+    This way the check also sees what the code does next, for example that it posts a method's return value.
     """
 
     def __init__(self, name: str, trial: Trial) -> None:
@@ -42,17 +42,17 @@ class _Guard(ThreadGuard):
         self._trial = trial
 
     def check(self, _action: str) -> None:
-        """Note a call from another thread."""
+        """Note a call from a thread other than the main one."""
         if threading.get_ident() != self._ident and not self._trial.is_interleaved:
             self._trial.note("touch", sys._getframe())
 
 
 class Viewer:
-    """Run a learner's controller on a displayed body. What it posts runs only in `drain`, on a simulated clock.
+    """Run a learner's controller on a displayed body. Posted calls run only in `drain`, on a simulated clock.
 
     Args:
         trial: the trial that the viewer belongs to.
-        model: the body's model file, without ``.xml``.
+        model: the body's model file without ``.xml``.
         name: the body's name.
         node: a real node; None for one in memory.
 
@@ -61,10 +61,10 @@ class Viewer:
         node, body, loop: the learner's node, the displayed body, and the main thread's event loop.
         calls: the main thread's queue. Its length is the number of waiting calls.
         keys: the keys of the calls that were posted with `call_latest`.
-        shown: what observers of the body saw at each change: where it was, and whether its links were there.
+        shown: the observers' view of the body at each change: its position, and whether its links had followed.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. So does every method.
+        Failure: one of the learner's methods raised an exception. All methods of a viewer raise this, too.
     """
 
     def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
@@ -94,7 +94,7 @@ class Viewer:
         return type(self)(self.trial, model, name)
 
     def receive(self, message: Any) -> None:
-        """Deliver a message on a thread of its own, and wait until the callbacks have returned."""
+        """Deliver a message on a separate thread, and wait until the callbacks have returned."""
         thread = threading.Thread(target=self.call_back, args=(message,), daemon=True)
         thread.start()
         thread.join(PATIENCE)
@@ -112,14 +112,14 @@ class Viewer:
         """Let time pass [s], and run the posted calls."""
         self.loop.advance(seconds)
         self._tell()
-        if len(self.calls) and not self.trial.is_interleaved:  # there, another thread may post late
+        if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
             raise Failure("the posted call", Misuse("it posts another call each time it runs, without end", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
-        """Call `unconfigure`, and say where the body is then. Calls that still wait are dropped.
+        """Call `unconfigure`, drop the waiting calls, and say where the body is afterwards.
 
         Args:
-            messages: arrive just before, while the main thread is busy with that.
+            messages: messages that arrive just before, on the blocked main thread.
         """
         self.shown.clear()
 
@@ -134,31 +134,31 @@ class Viewer:
         return "a timer is still running" if self.loop.timers else self.where()
 
     def left(self) -> str:
-        """Say that the controller has left nothing behind on the node."""
+        """Check that the controller has left nothing behind on the node, and say so."""
         return str(self.node.check_left())
 
     def where(self) -> str:
-        """Say where the joints are [rad or m]."""
+        """Return the joints' positions [rad or m], in words."""
         return ", ".join(f"{joint.name} at {round(joint.position, 6) + 0.0:g}" for joint in self.body.joints)
 
     def news(self) -> str:
-        """Say whether the links and the observers follow the last move."""
+        """Say whether the links followed the last move, and whether observers were notified."""
         told = f"observers are notified{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
         return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is notified'}"
 
     def close(self) -> None:
-        """Drop the calls that still wait, and close the loop."""
+        """Drop the waiting calls, and close the loop."""
         self.calls.close()
         self.loop.close()
 
     def _links_follow(self) -> bool:
-        """Whether the links are where the joints' positions put them."""
+        """Whether the links' poses match the joints' positions."""
         self._fresh.qpos[:] = self.body.data.qpos
         mujoco.mj_kinematics(self.body.model, self._fresh)
         return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))
 
     def _run(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function of the learner's, and keep the failure that it raises."""
+        """Call one of the learner's functions, and keep any failure that it raises."""
         try:
             with self.trial.calling(name_of(function)):
                 made = function(*arguments)
@@ -169,10 +169,10 @@ class Viewer:
             self._failures.append(failure)
 
     def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
-        """Keep the error that asyncio reports about code on the loop."""
+        """Keep an error that asyncio reports about code on the loop."""
         error = context.get("exception") or RuntimeError(context["message"])
         if not isinstance(error, Failure):
-            error = self.trial.failure("what runs on the loop", error)
+            error = self.trial.failure("code on the loop", error)
         self._failures.append(error)
 
     def _later(self, function: Any, *arguments: Any) -> None:
@@ -187,7 +187,7 @@ class Viewer:
         self._scope.call_latest(key, self._run, function, *arguments)
 
     def _tell(self) -> None:
-        """Raise what the learner's code has raised meanwhile, or that it has touched the body on another thread."""
+        """Raise the first kept failure, or a failure if the learner's code used the body on a different thread."""
         failures, self._failures = self._failures, []
         noted = self.trial.noted
         for failure in failures[:1]:
@@ -200,10 +200,10 @@ class Viewer:
 
 
 def _check_callable(function: Any) -> None:
-    """Refuse to post what cannot be called.
+    """Refuse to post an object that cannot be called.
 
     Raises:
-        Misuse: it cannot be called.
+        Misuse: the object cannot be called.
     """
     if not callable(function):
         cause = SECONDS if isinstance(function, Real) else PARENTHESES

@@ -1,4 +1,4 @@
-"""Viewing: what all exercises about viewers try, step by step."""
+"""Viewing: the cases shared by all exercises about viewers, and steps to build them from."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -11,28 +11,28 @@ from tutorial.checks.engine.real_dds import ros_node, send
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.engine.viewer import Viewer
 
-# A step of a case: a function of the viewer that may return what it observes, in words.
+# A step of a case: a function that takes the viewer, and can return an observation in words.
 Step = Callable[[Any], str | None]
 
 POST = "self.call_later(self.update, message)"
-BESIDE = "You probably post from a timer or a thread of your own. Post in the callback, once for each message."
+BESIDE = "You probably post from your own timer or thread. Post in the callback, once for each message."
 
 SHARED_BY_VIEWERS = "You probably keep something on the class, which all viewers share. Set it on self, in configure."
-ANOTHER_TOPIC = "You probably subscribe to another topic or type, or outside of configure. In configure write {}."
-NOT_POSTED = ("You probably skip messages, by time or by count, or post none at all. "
-              "Post a call for each one, {}, and show it.")  # fmt: skip
+ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure write {}."
+NOT_POSTED = ("You probably skip messages, by time or by count, or post no calls at all. "
+              "Post a call for each message, {}, and show it.")  # fmt: skip
 MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
          "After every move of the body call these two, in this order.")  # fmt: skip
-PAST_THE_QUEUE = ("You probably post to the event loop yourself, so the call still runs after the controller has left "
+PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call still runs after the controller has left "
                   "its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
-    """Make the run of a case: do these steps, one after the other, and observe what they return.
+    """Make the run of a case: perform steps, one after the other, and join their observations.
 
     Args:
         done: the steps.
-        viewer: makes what they are done with, from a trial: a `Viewer` or a class made from it.
+        viewer: makes the viewer for the steps from a trial: `Viewer` or a subclass.
     """
 
     def run(trial: Trial) -> str:
@@ -43,7 +43,7 @@ def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
 
 
 def heard(*messages: Any) -> Step:
-    """Make a step: messages arrive one after the other, and what each has posted runs."""
+    """Make a step: messages arrive one after the other, and each one's posted calls run."""
 
     def step(viewer: Viewer) -> None:
         for message in messages:
@@ -54,14 +54,14 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(*messages: Any) -> Step:
-    """Make a step: say how many messages the callback posts, and whether it leaves the body alone."""
+    """Make a step: observe for how many messages the callback posts a call, without its own timer or thread."""
 
     def step(viewer: Viewer) -> str:
         before, noted = viewer.loop.posted, viewer.trial.noted
         for message in messages:
             viewer.receive(message)
             if place := noted.get("thread") or noted.get("timer"):
-                raise Failure(place.function, Misuse("it starts a timer or a thread", BESIDE), place)
+                raise Failure(place.function, Misuse("it starts its own timer or thread", BESIDE), place)
             viewer.drain()
         posted = viewer.loop.posted - before
         return f"a call is posted for {min(posted, len(messages))} of {len(messages)}"
@@ -70,7 +70,7 @@ def hands_over(*messages: Any) -> Step:
 
 
 def side_by_side(*done: Step) -> Step:
-    """Make a step: a tank and the crane Lift do these steps in turns."""
+    """Make a step: a tank and the crane Lift take turns with these steps."""
 
     def step(tank: Viewer) -> str:
         with closing(tank.another("crane", "Lift")) as lift:
@@ -90,17 +90,17 @@ def viewing(
     may_ask_clock: bool = False,
     viewer: type[Viewer] = Viewer,
 ) -> Cases:
-    """Put together what an exercise about a viewer tries, and what all of them try.
+    """Combine the cases of an exercise about a viewer with those that all such exercises share.
 
     Args:
         solution: the right answer.
-        topic: the topic that it listens to, without the body's name.
-        message: a message that another program sends in the end, with rclpy's own node.
-        arrivals: steps in which messages arrive, the last one made by `hands_over`.
-        cases: the exercise's own, in the order in which they are tried.
-        post: the solution's statement that posts.
-        may_ask_clock: whether an answer may ask the computer's clock.
-        viewer: makes what an answer is tried in.
+        topic: the topic of the subscription, without the body's name.
+        message: a message that a right answer finally receives through rclpy's own node.
+        arrivals: steps that deliver messages; the last one is made by `hands_over`.
+        cases: the exercise's own cases, in order.
+        post: the solution's statement that posts a call.
+        may_ask_clock: whether an answer may read the computer's clock.
+        viewer: the class of the viewer for the cases.
     """
 
     def on_ros(trial: Trial) -> str:
@@ -115,7 +115,7 @@ def viewing(
     soon = early(lambda trial, node: Viewer(trial, node=node).close(), message)
     tried = [
         Case("on the body Rover", listens, ANOTHER_TOPIC.format(call)),
-        Case("messages come", steps(*arrivals, viewer=viewer), not_posted),
+        Case("when messages arrive", steps(*arrivals, viewer=viewer), not_posted),
         *cases,
         Case("a message as soon as there is a subscription", soon),
     ]
