@@ -1,17 +1,17 @@
 """The exercise `aim`: hold a joint where the stick has put it.
 
-Write the method `aim` of `HeldJoint`. It is called once in every step of the simulation, with the stick's position
-between -1 and 1, and holds the joint where the stick has put it:
+Write the method `aim` of `HeldJoint`. It is called once per simulation step, with the stick's position between -1 and
+1, and holds the joint where the stick has put it:
 
 - The reference begins at the joint's angle. In each call it moves by `0.002 * stick` rad, so by 0.002 rad at full stick
   and by half of that at half stick. It stays within `joint.range`, a pair (lower, upper).
-- The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set it as `joint.effort` [N.m] in every call, also if the
-  stick rests. `q` is `joint.position`, and `q_ref` is the reference after it has moved.
+- The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set it as `joint.effort` [N.m] in every call, even if the
+  stick is at rest. `q` is `joint.position`, and `q_ref` is the reference after it has moved.
 - `dq_ref` and `dq` are speeds [rad/s]: the change of `q_ref` and of `q` since the last call, divided by `time_step`.
   You may use `joint.velocity` as `dq`.
 
-Hint 1: Which numbers does the next call need? Keep these two in self; both begin at the joint's angle. And where may
-the reference not go? joint.range has two ends.
+Hint 1: Which numbers does the next call need? Keep these two in self; both begin at the joint's angle. And how far can
+the reference go? joint.range has two ends.
 
 Hint 2: Move the reference first, and limit it. A speed is the change since the last call divided by time_step, so
 compute both speeds while you still have the old values. Store the new values at the very end.
@@ -59,31 +59,31 @@ MISTAKES = [
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = 0.0, joint.position")),
     Mistake("self.q_prev begins at 0, so the first speed is wrong. Begin at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
-    Mistake("you move on from joint.position. The reference moves on from where it was itself: self.q_ref.",
+    Mistake("you move the reference from joint.position. Start from its own previous value, self.q_ref.",
             replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
-    Mistake("you convert between radians and degrees. 0.002 is in rad already, as angles and ranges are.",
+    Mistake("you convert between radians and degrees. 0.002 is already in rad, like angles and ranges.",
             replace("0.002", "radians(0.002)", "degrees(0.002)")),
     Mistake("you multiply the move by time_step. The reference moves "
-            "by 0.002 * stick rad in each call, however long a step is.",
+            "by 0.002 * stick rad in each call, for any length of a step.",
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
     Mistake("you use only the sign of the stick. Half a stick moves the reference half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
     Mistake("you limit the stick to joint.range. Limit the reference, which is an angle.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
-    Mistake("you take the stick for the angle. It moves the reference, by 0.002 * stick in each call.",
+    Mistake("you use the stick as the angle. It moves the reference by 0.002 * stick in each call.",
             replace("self.q_ref + 0.002 * stick", "stick")),
     Mistake("you don't limit the reference at both ends. It stays between joint.range[0] and joint.range[1].",
             replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
                     "= -self.joint.range[1], self.joint.range[1]")),
-    Mistake("you use the limited reference but don't keep it, so the "
-            "stick has to bring it back first. Store the limited one.",
+    Mistake("you use the limited reference but store the unlimited one, "
+            "which takes time to come back. Store the limited one.",
             both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
                  replace("self.joint = joint", "self.far, self.joint = joint.position, joint"),
                  replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
-    Mistake("you exchange the two gains. 200 is for the angle, 50 for the speed.",
+    Mistake("you swap the two gains. 200 is for the angle, 50 for the speed.",
             replace("200 * (q_ref - q) + 50 *", "50 * (q_ref - q) + 200 *")),
-    Mistake("you compute dq_ref from the stick. It is what the limited "
-            "reference has moved: (q_ref - self.q_ref) / self.time_step.",
+    Mistake("you compute dq_ref from the stick. Compute it from the "
+            "limited reference: (q_ref - self.q_ref) / self.time_step.",
             replace("(q_ref - self.q_ref) /", "0.002 * stick /")),
     Mistake("you don't divide the speeds by time_step. A speed is a change divided by the time that it took.",
             replace("/ self.time_step", "/ 1.0")),
@@ -91,7 +91,7 @@ MISTAKES = [
             replace("/ self.time_step", "* self.time_step")),
     Mistake("you don't store q in self.q_prev. The next call needs it for dq.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = q_ref")),
-    Mistake("you don't store q_ref in self.q_ref. The next call moves on from it.",
+    Mistake("you don't store q_ref in self.q_ref. The next call starts from it.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
     Mistake("you set self.q_prev to the reference. Store q there, the joint's angle.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
@@ -102,24 +102,24 @@ MISTAKES = [
             both(replace("self.joint.effort =", "self.joint.effort +="),
                  replace("200 * (q_ref - q) + 50 * (dq_ref - dq)", "200 * (q_ref - q) + 50 * (dq_ref - dq)",
                          "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),
-    Mistake("you set no torque while the stick rests. The joint has to be held then, too.",
+    Mistake("you set no torque while the stick is at rest. The joint has to be held then, too.",
             replace("lower, upper =", "if not stick: return\nlower, upper =")),
 ]  # fmt: skip
-MEANING = ("Compare yours: move and limit q_ref, then compute both speeds, "
-           "then set 200 * (q_ref - q) + 50 * (dq_ref - dq), not limited.")  # fmt: skip
+MEANING = ("Compare your steps with these: move and limit q_ref, compute both speeds, and "
+           "set 200 * (q_ref - q) + 50 * (dq_ref - dq), without a limit.")  # fmt: skip
 POSITION = "You probably set the result as joint.position. A motor takes a torque: set joint.effort."
 
-NARROW = (-0.1700001, 0.7800001)  # [rad]; a whole number of moves, and a trace more, away from where the cases begin
+NARROW = (-0.1700001, 0.7800001)  # [rad]; slightly more than a whole number of moves from the cases' starting angles
 
 
 Range = tuple[float, float]  # [rad]
-Calls = tuple[float, float, int]  # the stick, the joint's speed [rad/s], and for how many calls
+Calls = tuple[float, float, int]  # the stick, the joint's speed [rad/s], and the number of calls
 
 
 def play(
     trial: Trial, *calls: Calls, dt: float = 0.001, begin: float = 0.1, limits: Range = NARROW, name: str = "Rover"
 ) -> Iterator[float]:
-    """Hold a joint of a body of this name, and yield the torque [N.m] after each call, NaN if it set no torque."""
+    """Hold a joint of the named body, and yield the torque [N.m] after each call, or NaN if the call did not set it."""
     _, body = bodies(trial, "tank", name)
     joint, motor = body.joint("TURRET_P"), body.actuator("TURRET_P")
     joint.position, joint.range = begin, limits
@@ -132,7 +132,7 @@ def play(
             trial.call(held.aim, stick)
             if joint.position != position:
                 raise Failure("aim", Misuse("it sets the joint's position", POSITION))
-            body.data.qfrc_actuator[:] = motor.ctrl  # what joint.effort will be in the next call
+            body.data.qfrc_actuator[:] = motor.ctrl  # joint.effort in the next call
             yield motor.ctrl
 
 
@@ -142,7 +142,7 @@ def last(*calls: Calls, **how: Any) -> Callable[[Trial], float]:
 
 
 def two(trial: Trial) -> tuple[float, ...]:
-    """Observe the torques [N.m] of two joints that are held in turns."""
+    """Observe the torques [N.m] of two joints that are held in turn."""
     first, second = play(trial, (1.0, 0.0, 10), (0.0, 0.0, 10)), play(trial, STILL, (-0.5, -1.0, 19), name="Tank")
     return list(zip(first, second))[-1]
 
@@ -157,7 +157,7 @@ CASES = [
     Case("stick at rest, the joint is pushed", last((0.0, 0.0, 2), (0.0, 0.5, 20))),
     Case("full stick at the end of the range", last(UP, begin=0.7),
          "You probably stop the reference too early or too late. "
-         "Its ends are joint.range[0] and joint.range[1], in rad."),
+         "Its limits are joint.range[0] and joint.range[1], in rad."),
     Case("the stick reversed at that end", last(UP, (-1.0, 0.0, 1), begin=0.7)),
     Case("full stick down at the lower end of the range, then up", last((-1.0, 0.0, 60), (1.0, 0.0, 1), begin=-0.1)),
     Case("full stick, with steps of 5 ms", last(STILL, (1.0, 0.3, 9), dt=0.005),
@@ -166,14 +166,14 @@ CASES = [
     Case("a tenth of the stick", last((0.1, 0.0, 10)),
          "You probably ignore small sticks, or use only the stick's sign. The reference moves by 0.002 * stick."),
     Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
-    Case("full stick, a joint with another range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
-         "You probably use fixed ends of the range. They are in joint.range."),
+    Case("full stick, a joint with a different range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
+         "You probably hard-code the ends of the range. Read them from joint.range."),
     Case("two joints in turns", two),
 ]  # fmt: skip
 
 
 def say(torque: Any) -> str:
-    """Put a torque [N.m], or two, into words."""
+    """Put one torque [N.m], or several, into words."""
     if isinstance(torque, tuple):
         return " and ".join(map(say, torque))
     return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")

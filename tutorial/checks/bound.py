@@ -1,26 +1,26 @@
 """The exercise `bound`: read four axes from any message.
 
 Write the function `four_axes(message)`. It returns the first four axes of a `Joy` message, as a list or an array of
-four numbers from -1 to 1, whatever the message holds:
+four numbers from -1 to 1, whatever the message contains:
 
 - An axis outside of -1 to 1 is limited: 1.5 counts as 1, and -3 as -1.
 - An axis that is not finite (NaN or an infinity) counts as 0. So does a missing axis.
-- Each axis counts by itself: a bad one changes no other.
+- A bad axis does not affect the others.
 
-The control loop calls it a thousand times a second, so it takes no longer for a million axes than for four. It never
-raises an exception, and it leaves the message unchanged.
+The control loop calls it a thousand times a second, so it must not take longer for a million axes than for four. It
+never raises an exception, and it leaves the message unchanged.
 
-Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis: it may be
+Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis? It can be
 missing, not finite, too large or too small.
 
-Hint 2: A slice takes at most four axes, and fewer if there are fewer. Append zeros to it, and take four of the result.
-Then go through those four. Check isfinite first, because NaN is neither smaller nor larger than any number, and limit
-the rest with max and min.
+Hint 2: A slice has at most four axes, and fewer if the message has fewer. Append zeros to it, and take the first four
+of the result. Then go through those four. Check isfinite first, because NaN is neither smaller nor larger than any
+number, and limit the rest with max and min.
 
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
 
-Notice that no message can make it fail or take long, because it limits every value before anything uses it.
+Notice that no message can make it fail or slow it down, because it limits every value before using it.
 """
 
 import tracemalloc
@@ -39,50 +39,50 @@ from tutorial.checks.exercise import Exercise
 
 
 def four_axes(message: Joy) -> list[float]:
-    """Return the sticks' axes, each in [-1, 1]; one that the message lacks, or that is not finite, counts as 0."""
+    """Return the sticks' axes, limited to [-1, 1]; a missing or non-finite axis counts as 0."""
     axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
 
 
 MISTAKES = [
-    Mistake("you leave out a bad axis, so the next ones move forward. "
-            "Keep its place: 0 if it isn't finite, else the limit.",
+    Mistake("you leave out a bad axis, so the later ones move up. Keep "
+            "its place: use 0 if it isn't finite, otherwise the limit.",
             replace("*message.axes[:4],", "*filter(isfinite, message.axes[:4]),",
                     "*filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),")),
     Mistake("you lose the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
             replace("max(axis, -1.0)", "max(axis, 0.0)", "abs(axis)")),
 ]  # fmt: skip
-MEANING = ("Compare yours: take the first four axes in their order; "
-           "each by itself is 0 if missing or not finite, else limited.")  # fmt: skip
+MEANING = ("Compare your steps with these: take the first four axes, in their order; "
+           "use 0 for each one that is missing or not finite, and limit the rest.")  # fmt: skip
 ALL = "You probably copy all axes, or go through all of them. Begin with message.axes[:4], which takes only four."
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
 LONG = "it takes far longer than for four"
 
-STEPS = 1000  # lines that run and axes that are read; four axes take less than 100
+STEPS = 1000  # the limit for lines run plus axes read; four axes take fewer than 100
 FOUR = (0.5, -0.625, 0.75, -1.0)
 MILLION = 1_000_000
-BYTES = MILLION // 2  # of memory that an answer may use at once: less than a byte for each axis
+BYTES = MILLION // 2  # the limit for an answer's memory, less than one byte per axis
 
 
 def given(*axes: float) -> Run:
-    """Observe what is returned for a message with these axes."""
+    """Observe the result for a message with these axes."""
     return lambda trial: trial.ask(Joy(axes=axes), read=numbers, wanted=A_LIST)
 
 
 def numbers(returned: Any) -> list[float]:
-    """Return the numbers that an answer has returned."""
+    """Convert an answer's result to floats."""
     return [float(each + 0.0) for each in returned]
 
 
 def twice(trial: Trial) -> list[float]:
-    """Observe the numbers of two returned lists, and read them after the second call."""
+    """Observe the results of two calls, read after the second call."""
     both = [trial.call(trial.answer, Joy(axes=axes)) for axes in (FOUR, FOUR[::-1])]
     return [number for returned in both for number in numbers(returned)]
 
 
 class Million(array):  # type: ignore[type-arg]
-    """Axes that count how many of them are read, and how many lines run meanwhile."""
+    """Axes that count how often they are read, and how many lines run meanwhile."""
 
     steps = 0
 
@@ -98,13 +98,13 @@ class Million(array):  # type: ignore[type-arg]
 
 
 def million(trial: Trial) -> list[float]:
-    """Observe what is returned for a million axes.
+    """Observe the result for a million axes.
 
     Raises:
         Misuse: the answer reads or copies more than a few of them.
     """
     axes, message = Million("f", array("f", FOUR) * (MILLION // len(FOUR))), Joy()
-    message._axes = axes  # the property would make a plain array of them
+    message._axes = axes  # the property would convert them to a plain array
     tracemalloc.start()
     try:
         with traced(trial, axes.step):
@@ -120,12 +120,12 @@ SHORT = "You probably rely on four axes, or drop a shorter message. Keep the axe
 INFINITE = ("You probably limit an infinity to 1 or -1. It counts as "
             "0: check isfinite(axis) first. (isnan finds only NaN.)")  # fmt: skip
 BEYOND = ("You probably don't limit an axis beyond -1 or 1, set it "
-          "to 0, or scale all. Limit it: min(max(axis, -1.0), 1.0).")  # fmt: skip
+          "to 0, or scale all axes. Limit it: min(max(axis, -1.0), 1.0).")  # fmt: skip
 CASES = [
     Case("four axes", given(*FOUR)),
     Case("six axes", given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),
          "You probably require a certain number of axes. There "
-         "may be more, and the first four count: message.axes[:4].", crashes=True),
+         "can be more; use only the first four: message.axes[:4].", crashes=True),
     Case("three axes", given(0.75, 0.5, -0.625), SHORT, crashes=True),
     Case("one axis", given(0.75), SHORT, crashes=True),
     Case("no axes", given(), SHORT, crashes=True),
@@ -138,7 +138,7 @@ CASES = [
     Case("-3 for the third axis", given(0.625, 0.5, -3.0, -0.75), BEYOND, crashes=True),
     Case("1e30 for the last axis", given(0.5, 0.625, -0.75, 1e30), BEYOND, crashes=True),
     Case("minus infinity, 2 and NaN in one message", given(-inf, 2.0, nan, -0.5), INFINITE, crashes=True),
-    Case("sticks almost in the middle", given(0.0390625, -0.03515625, 0.02734375, 0.0)),
+    Case("sticks almost centred", given(0.0390625, -0.03515625, 0.02734375, 0.0)),
     Case("only one axis, which is NaN", given(nan), SHORT, crashes=True),
     Case("NaN and infinity after the fourth axis", given(*FOUR, nan, inf), INFINITE, crashes=True),
     Case("two messages, both results read at the end", twice,

@@ -1,28 +1,28 @@
 """The exercise `by_name`: match a message's positions to the body's joints by name.
 
-Write the function `match_by_name(joint_names, message)`. It returns a new dict from joint names to positions: what the
-`JointState` `message` says about the joints of the body. `joint_names` holds their names.
+Write the function `match_by_name(joint_names, message)`. It returns a new dict from joint names to positions, with the
+positions that the `JointState` `message` has for the body's joints. `joint_names` contains the joints' names.
 
-- The i-th position belongs to the i-th name of the message. The names may come in any order, and any number of them.
+- The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
 - Leave out names that the body does not have.
-- If there are fewer positions than names, or more, use the names that have a position. Without positions the dict is
+- If there are fewer or more positions than names, use the names that have a position. Without positions, the dict is
   empty.
-- Leave out a position for which `math.isfinite` returns False: NaN or an infinity.
-- If a name comes twice, use its last finite position.
+- Leave out positions for which `math.isfinite` returns False: NaN and infinities.
+- If a name appears twice, use its last finite position.
 
-It never raises, never invents a number, and does not change the message.
+It never raises an exception, never invents a number, and does not change the message.
 
-Hint 1: Look at the message's names and positions as pairs, in the message's order. Each pair counts or doesn't, no
-matter what the other pairs say.
+Hint 1: Look at the message's names and positions as pairs, in the message's order. Whether a pair counts does not
+depend on the other pairs.
 
 Hint 2: Go through both together with zip, which stops at the end of the shorter one. Leave out a pair if its name is
-not in joint_names or its position is not finite. Put the others into a new dict, in order: if a name comes again, its
-new position replaces the earlier one.
+not in joint_names or its position is not finite. Put the remaining pairs into a new dict, in order: if a name appears
+again, its new position replaces the earlier one.
 
 Hint 3: One dict comprehension is enough: {name: position for name, position in zip(message.name, message.position)
 if ...}. The condition is name in joint_names and isfinite(position).
 
-Notice that zip takes care of a short array, and the dict of a name that comes twice: neither needs a line of its own.
+Notice that zip handles a short array, and the dict handles a repeated name: neither needs a line of its own.
 """
 
 from collections.abc import Callable, Sequence
@@ -48,32 +48,32 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
 
 
 MISTAKES = [
-    Mistake("you filter names or positions before zip, so what is left "
-            "goes to the wrong names. First zip both, then drop pairs.",
+    Mistake("you filter names or positions before zip, so the rest is "
+            "paired wrongly. Zip both first, then leave out pairs.",
             replace("message.name, message.position", "[n for n in message.name if n in joint_names], message.position",
                     "message.name, [*filter(isfinite, message.position)]",
                     "message.name, [q for q in message.position if q == q]")),
-    Mistake("you convert the positions. Pass them on unchanged: they are in rad or m on both sides.",
+    Mistake("you convert the positions. Return them unchanged: both sides use rad or m.",
             replace("name: position", "name: degrees(position)", "name: radians(position)")),
     Mistake("you test only for NaN. An infinity isn't finite either: use math.isfinite.",
             replace("isfinite(position)", "position == position")),
 ]  # fmt: skip
 MEANING = "You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite."
-A_DICT = "Return a dict from names to positions; if nothing counts, an empty one. dict(pairs) makes a dict from pairs."
-KEPT = "You probably keep one dict from call to call. Make a new one in every call, not as a default argument."
+A_DICT = "Return a dict from names to positions, empty if no pair counts. dict(pairs) makes a dict from pairs."
+KEPT = "You probably reuse one dict in all calls. Make a new one in every call, not as a default argument."
 
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
 CRANE = ("SLEW", "BRIDGE", "LUFF")
 ALMOST = ("turret_y", "Tank/TURRET_P", " HATCH", "TURRET", "", "HATCH_2")
-EARLIER = 0.777  # [rad]: where all joints are in an earlier message, which must not show in what is returned
+EARLIER = 0.777  # [rad]; all joints' position in an earlier message, which must not appear in the result
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:
-    """Make a case: what is returned for a message, as a text, after an earlier message that names all joints.
+    """Make a case that observes the result for a message, as text, after an earlier message with all joints.
 
     Args:
-        names, positions: what the message holds [rad].
+        names, positions: the message's content; positions in [rad].
         body: the names of the body's joints.
     """
 
@@ -91,22 +91,22 @@ def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] 
 
 
 def pairs(found: dict[Any, Any]) -> list[str]:
-    """Format what was returned, with six digits per position."""
+    """Format a result, with six digits per position."""
     numbers = {name: f"{q + 0.0:.6g}" if isinstance(q, Real) else repr(q) for name, q in found.items()}
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
 UNKNOWN = ("You probably look up unknown names, or stop at the first "
-           "one. Leave out that pair, and go on with the next one.")  # fmt: skip
+           "one. Leave out that pair, and continue with the next.")  # fmt: skip
 EMPTY = "You probably expect at least one position. If there are none, return {}."
 NOT_A_NUMBER = ("You probably keep NaN, or let it affect the other "
                 "joints. Leave out only that pair; math.isfinite finds it.")  # fmt: skip
-TWICE = "You probably use a wrong position of a name that comes twice, or none. Use its last finite position."
+TWICE = "You probably use the wrong position of a repeated name, or leave the name out. Use its last finite position."
 CASES = [
     Case("all joints, in order", heard(BODY, (0.1, 0.2, 0.3)),
          "You probably return something other than {name: position} "
-         "with all pairs. Fill one dict, return it after the loop.", crashes=True),
-    Case("joints in another order", heard(BODY[::-1], (0.3, 0.2, 0.1)),
+         "with all pairs. Fill one dict, and return it after the loop.", crashes=True),
+    Case("joints in a different order", heard(BODY[::-1], (0.3, 0.2, 0.1)),
          "You probably expect the message to have the body's order. "
          "Take each position's joint from the message's names.", crashes=True),
     Case("a message with only HATCH", heard(("HATCH",), (0.3,)),
@@ -119,16 +119,15 @@ CASES = [
     Case("no positions", heard(BODY, ()), EMPTY, crashes=True),
     Case("NaN for TURRET_P", heard(BODY, (0.1, nan, 0.3)), NOT_A_NUMBER, crashes=True),
     Case("TURRET_Y twice", heard(("TURRET_Y", "TURRET_P", "TURRET_Y"), (0.1, 0.2, 0.3)), TWICE, crashes=True),
-    Case("TURRET_Y twice, and smaller", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE, crashes=True),
+    Case("TURRET_Y twice, falling", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE, crashes=True),
     Case("TURRET_Y at 0, HATCH below 0", heard(BODY, (0.0, 0.2, -0.3)),
-         "You probably leave out 0, as `if position` does, or negative numbers. Both are positions like any other.",
-         crashes=True),
+         "You probably leave out 0, as `if position` does, or negative numbers. Both are positions.", crashes=True),
     Case("an unknown name in the middle", heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)), UNKNOWN,
          crashes=True),
-    Case("NaN for HATCH, the last", heard(BODY, (0.1, 0.2, nan)), NOT_A_NUMBER, crashes=True),
-    Case("TURRET_Y twice, at first NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)), TWICE,
+    Case("NaN for HATCH, the last joint", heard(BODY, (0.1, 0.2, nan)), NOT_A_NUMBER, crashes=True),
+    Case("TURRET_Y twice, first NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)), TWICE,
          crashes=True),
-    Case("TURRET_Y twice, at last NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
+    Case("TURRET_Y twice, then NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
     Case("an empty message", heard((), ()), EMPTY, crashes=True),
     Case("2 names, 3 positions", heard(BODY[:2], (0.1, 0.2, 0.3)),
          "You probably expect a name for every position. Use zip: it leaves out positions without a name.",
@@ -137,9 +136,10 @@ CASES = [
          "You probably change names before you compare them, or compare "
          "parts. A name counts only if it equals a joint's name.", crashes=True),
     Case("a position with many digits", heard(BODY, (0.123456, -9.23456, 0.3)),
-         "You probably convert or round positions, or drop their sign. Pass them on unchanged.", crashes=True),
+         "You probably convert or round positions, or drop their sign. Return them unchanged.", crashes=True),
     Case("a message for the crane", heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
-         "You probably hard-code the tank's joint names. Use joint_names: it holds the body's.", crashes=True),
+         "You probably hard-code the tank's joint names. Use joint_names, the names of the body's joints.",
+         crashes=True),
     Case("infinity for HATCH", heard(BODY, (0.1, 0.2, inf)),
          "You probably test only for NaN. An infinity isn't finite either: use math.isfinite.", crashes=True),
     Case("a body with one joint", heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),

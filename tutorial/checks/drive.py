@@ -1,18 +1,18 @@
 """The exercise `drive`: turn the left stick into the speeds of the tracks.
 
-Write the controller `GentleTank`. It listens to the topic `joy` (type `Joy`), without a slash in front, so the topic
+Write the controller `GentleTank`. It subscribes to the topic `joy` (type `Joy`), without a leading slash, so the topic
 is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R` of `io.body`, with the left
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive ahead.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis by itself; outside of this dead zone it
-  counts unchanged.
+- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis by itself; outside of this dead zone, use
+  it unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
-- In every step the newest message counts, also if it came long ago, or before the simulation was started again.
+- In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
 - In `unconfigure`, when the controller leaves the body, the node destroys the subscription.
 
-Mind the threads: the callback runs on the executor's thread, `control` on the simulation's. So only `control` sets the
-tracks.
+Mind the threads: the callback runs on the executor's thread, `control` on the simulation's thread. So only `control`
+sets the tracks.
 
 Hint 1: Which thread calls on_joy, and which one calls control? How does the message get from one to the other? And what
 does control find before the first message, or in a short one?
@@ -79,39 +79,39 @@ MISTAKES = [
     Mistake("control never gets the message, or sets no speed. Read "
             "self.joy.get(), and set self.track_l.ctrl, not self.track_l.",
             replace("self.joy.put(message)", "pass")),
-    Mistake("you move the turret or the barrel, too. Set only the tracks: "
-            "TankController's control, for one, also sets the turret.",
+    Mistake("you move the turret or the barrel, too. Set only the "
+            "tracks. (TankController's control also sets the turret.)",
             both(replace("self.track_l =",
                          'self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0\nself.track_l ='),
                  replace("self.track_l.ctrl = 1",
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick rests, or drop that message, so the last speed stays. Set 0 then.",
+    Mistake("you set no speed while the stick is at rest, or drop its message, so the last speed stays. Set 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
-    Mistake("you exchange left and right. With the stick to the left, "
-            "left_x > 0, the left track slows down, the right one speeds up.",
+    Mistake("you swap left and right. With the stick to the left, left_x "
+            "> 0, the left track slows down and the right one speeds up.",
             replace("0.5 * left_x", "-0.5 * left_x")),
-    Mistake("you exchange left_x and left_y. axes[0] is left_x, to the side, and axes[1] is left_y, ahead.",
+    Mistake("you swap left_x and left_y. axes[0] is left_x, to the side, and axes[1] is left_y, ahead.",
             replace("left_x, left_y =", "left_y, left_x =")),
     Mistake("you read an axis of the right stick. The left stick is axes[0] and axes[1].",
             replace("axes[:2]", "axes[2:]", "axes[1:3]", "[axes[2], axes[1]]", "[axes[0], axes[3]]")),
     Mistake("you use TankController's speeds, 2 y - x and 2 y + x. "
-            "Here they are half as high: 1.0 * left_y and 0.5 * left_x.",
+            "Here they are half as fast: 1.0 * left_y and 0.5 * left_x.",
             both(replace("1.0 * left_y", "2.0 * left_y"), replace("0.5 * left_x", "1.0 * left_x"))),
     Mistake("you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.", replace("> 0.3", "> -1")),
-    Mistake("your dead zone has another width. Here it is 0.3 for each axis (TankController's is 0.2).",
+    Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
     Mistake("you use one dead zone for both axes together. Check each axis by itself: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
     Mistake("you subtract the dead zone from the axis, or stretch the "
-            "rest. Outside of the dead zone an axis counts unchanged.",
+            "rest. Outside of the dead zone, use the axis unchanged.",
             replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
 ]  # fmt: skip
-MEANING = ("Compare yours: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
-           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, not limited, and nothing "
-           "else moves. An axis counts as 0 unless abs(axis) > 0.3, each by itself.")  # fmt: skip
+MEANING = ("Compare your code with this: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
+           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, without a limit, and nothing "
+           "else moves. Each axis by itself counts as 0 unless abs(axis) > 0.3.")  # fmt: skip
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
     *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),
@@ -121,7 +121,7 @@ WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
 
 
 def speeds(rig: Rig) -> str:
-    """Put the commanded speeds into words, and whether the answer commands something else."""
+    """Put the commanded speeds into words, and report any other commands."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
     more = ", and the turret or the barrel moves, too" * any(turret)
     more += ", and the displayed copy is commanded" * any(rig.displayed.data.ctrl)
@@ -145,12 +145,12 @@ def played(trial: Trial, *script: Any, **options: Any) -> Rig:
 
 
 def after(*script: Any) -> Callable[[Trial], str]:
-    """Observe the speeds after that."""
+    """Observe the speeds after a script."""
     return lambda trial: speeds(played(trial, *script))
 
 
 def second_step(trial: Trial) -> str:
-    """Observe whether a second step without a message commands what the first one does."""
+    """Observe whether a second step without a message commands the same speeds as the first."""
     one, both = (after("start", DRIVES, steps)(trial) for steps in (1, 2))
     return "yes" if one == both else f"no, first {one}, then {both}"
 
@@ -163,7 +163,7 @@ def stepped(rig: Rig) -> str:
 
 
 def two(trial: Trial) -> str:
-    """Observe two tanks at the same time, each with a stick of its own."""
+    """Observe two tanks at the same time, each with its own stick."""
     first, second = played(trial, "start"), played(trial, "start", name="Tank", time_step=0.002)
     first.hear(Joy(axes=DRIVES))
     second.hear(Joy(axes=AHEAD))
@@ -173,7 +173,7 @@ def two(trial: Trial) -> str:
 
 
 def halved(trial: Trial, in_callback: bool) -> str:
-    """Observe whether half of a message is used, in every order in which the callback and `control` can run."""
+    """Interleave the callback and `control` in every order, and observe whether half of a message is used."""
     rig, seen = played(trial, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
@@ -190,43 +190,43 @@ def halved(trial: Trial, in_callback: bool) -> str:
     return "half of the message is used" if set(seen) - whole else "the message is used as a whole, or not yet"
 
 
-AT_REST = "You probably drop a message in which the sticks rest, so the tank drives on. Keep every message."
+AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Keep every message."
 MISSING = ("You probably rely on the axes, or drop a short message. "
            "Missing axes count as 0; four_axes(message) fills them in.")  # fmt: skip
-NEWEST = ("You probably let a message count for a limited time, or skip "
-          "messages by time. The newest counts until the next comes.")  # fmt: skip
+NEWEST = ("You probably use a message only for a limited time, or skip "
+          "messages by time. Use the newest until the next arrives.")  # fmt: skip
 KEPT = "You probably create self.joy in initialize, which forgets the last message. Create it in configure."
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
-         "You probably use \"/joy\" or another topic or type, or don't "
-         'subscribe: create_subscription(Joy, "joy", ...) in configure.'),
+         "You probably use \"/joy\" or a different topic or type, or don't "
+         'subscribe. In configure call create_subscription(Joy, "joy", ...).'),
     Case("a message, before the next step", after("start", DRIVES),
          "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
-         "You probably rely on a message. There may be none yet: begin with an empty one, Latest(Joy()).",
+         "You probably rely on a message. Before the first one, use an empty message: Latest(Joy()).",
          crashes=True),
-    Case("a second step does the same", second_step, "You probably smooth the speeds, or use a message for one "
-         "step only. Set the speeds at once, and in every step."),
+    Case("the second step does the same", second_step, "You probably smooth the speeds, or use a message in only "
+         "one step. Set the full speeds immediately, and in every step."),
     *(Case(f"left_x {x:g}, left_y {y:g}", after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1)) for x, y in STICKS),
-    Case("all sticks rest", after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1), AT_REST),
-    Case("all sticks almost rest", after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1), AT_REST),
+    Case("all sticks at rest", after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1), AT_REST),
+    Case("all sticks almost at rest", after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1), AT_REST),
     Case("a message with 2 axes", after("start", DRIVES, 1, (0.0, 1.0), 1), MISSING, crashes=True),
     Case("a message with 0 axes", after("start", DRIVES, 1, (), 1), MISSING, crashes=True),
-    Case("a message with 1 axes", after("start", DRIVES, 1, (1.0,), 1), MISSING, crashes=True),
+    Case("a message with 1 axis", after("start", DRIVES, 1, (1.0,), 1), MISSING, crashes=True),
     Case("a message with 8 axes", after("start", DRIVES, 1, (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4), 1),
-         "You probably require a certain number of axes. There may be more: four_axes(message) returns the first four.",
+         "You probably require a certain number of axes. There can be more: four_axes(message) returns the first four.",
          crashes=True),
     Case("300 steps without a message", after("start", DRIVES, 300), NEWEST),
     Case("four messages between two steps", after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
          "You probably queue the messages, or keep the first. Keep only the newest: put each into the same Latest."),
-    Case("a message that comes before the start", after(DRIVES, "start", 1), KEPT),
+    Case("a message before the start", after(DRIVES, "start", 1), KEPT),
     Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
     Case("two tanks", two,
-         "You probably keep the message in the class, so all tanks share it. Create self.joy in configure."),
-    Case("control between the callback's instructions", lambda trial: halved(trial, True),
+         "You probably keep the message on the class, so all tanks share it. Create self.joy in configure."),
+    Case("control runs between the callback's instructions", lambda trial: halved(trial, True),
          "Your callback probably stores a message in several parts, "
          "and control runs in between. Put it into self.joy as a whole."),
-    Case("a message between control's instructions", lambda trial: halved(trial, False),
+    Case("a message arrives between control's instructions", lambda trial: halved(trial, False),
          "Your control probably reads self.joy twice, and a message "
          "arrives in between. Get it once, and read both axes from it."),
     Case("a message as soon as the subscription exists", early(Rig, Joy(axes=DRIVES))),

@@ -1,21 +1,21 @@
 """The exercise `fire`: report whether the joystick's first button is pressed.
 
 Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 of this message is
-pressed, else `False`. Keep the `Latest` that `__init__` made, and put the value into it.
+pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
 
-- In `message.buttons` a pressed button is 1, any other is 0.
+- In `message.buttons`, 1 is a pressed button and 0 a released one.
 - A button that the message lacks is not pressed.
 - `FireButton` doesn't need `self.joy`. Whether your callback puts the message there, too, is up to you.
 
-Hint 1: Think of the messages that don't press the button: it is released, or the message has no buttons. What does
-self.fire have to hold after those?
+Hint 1: Think of messages without a pressed button: it is released, or the message has no buttons. What does self.fire
+have to hold after those?
 
-Hint 2: message.buttons is a list, and it may be empty. Check its length before you read its first entry. Then put the
+Hint 2: message.buttons is a list, and it can be empty. Check its length before you read its first entry. Then put the
 result, whether it is True or False.
 
 Hint 3: pressed = len(message.buttons) > 0 and ..., then self.fire.put(pressed).
 
-Notice that the callback only leaves a value behind and returns.
+Notice that the callback only stores a value and returns.
 """
 
 from collections.abc import Callable
@@ -54,7 +54,7 @@ class Listener(SimpleController):
 
 
 class FireButton(Listener):
-    """Say whether the joystick's first button is pressed."""
+    """Report whether the joystick's first button is pressed."""
 
     def __init__(self) -> None:
         self.fire = Latest(False)
@@ -67,39 +67,39 @@ class FireButton(Listener):
 
 MISTAKES = [
     Mistake("your configure doesn't subscribe, so no message arrives. "
-            "Call super().configure(config) in it, or leave it out.",
+            "Call super().configure(config) in it, or remove it.",
             replace("def on_joy(self,", "def configure(self, config): self.node = config.node\ndef on_joy(self,",
                     "def configure(self, config): pass\ndef unconfigure(self): pass\ndef on_joy(self,")),
     Mistake("you never put True into self.fire. on_joy has to put "
             "message.buttons[0] == 1; a list never equals 1, and 1 is not True.",
             replace("== 1", "is True")),
     Mistake("you don't put False when the button is released, or ignore "
-            "a message that comes soon after another. Put each state.",
+            "messages in quick succession. Put every state.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
-    Mistake("you change the value each time the button goes down, "
+    Mistake("you toggle the value each time the button goes down, "
             "like a switch. Put whether the button is pressed now.",
             both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
-    Mistake("you wait for a second message that says the same (debouncing). Put what each message says, at once.",
+    Mistake("you wait for a second message with the same state (debouncing). Put each message's state immediately.",
             both(replace("self.fire = Latest(False)", "self.was, self.fire = None, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "pressed == self.was and self.fire.put(pressed)\nself.was = pressed"))),
-    Mistake("you read the message before this one: self.joy still holds it. Read the message that on_joy gets.",
+    Mistake("you read the previous message, which self.joy still holds. Read the message that on_joy gets.",
             both(replace("pressed = ", "buttons = self.joy.get().buttons\nself.joy.put(message)\npressed = "),
                  replace("len(message.buttons) > 0 and message.buttons[0]", "len(buttons) > 0 and buttons[0]"))),
 ]  # fmt: skip
 MEANING = "Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1."
 NO_LATEST = "You probably assign self.fire. Keep the Latest that __init__ made: self.fire.put(...) replaces its value."
-NO_TRUTH = "Put True or False. bool(...) makes one of them from any value."
+NO_TRUTH = "Put True or False. bool(...) converts any value to one of them."
 NO_CLOCK = (
-    "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put what each message "
-    "says, at once."
+    "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put each message's "
+    "state immediately."
 )
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
-    """Return what `fire` holds after messages with these buttons; button 1 alone comes with a stick at its end."""
+    """Return the value of `fire` after messages with these buttons. With button 1 alone, a stick is at its end, too."""
     tank = rig.learner
     before = getattr(tank, "fire", None)
     for buttons in states:
@@ -109,23 +109,23 @@ def held(rig: Rig, *states: tuple[int, ...]) -> bool:
         raise Failure("on_joy", Misuse("self.fire is no longer the Latest that __init__ made", NO_LATEST), None)
     value = latest.get()
     if not np.isscalar(value) or value not in (0, 1):
-        raise Failure("on_joy", Misuse(f"the value that it puts is of the type {type(value).__name__}", NO_TRUTH), None)
+        raise Failure("on_joy", Misuse(f"it puts a value of the type {type(value).__name__}", NO_TRUTH), None)
     return bool(value)
 
 
 def after(*states: tuple[int, ...]) -> Callable[[Trial], bool]:
-    """Observe what `fire` holds after messages with these buttons."""
+    """Observe the value of `fire` after messages with these buttons."""
     return lambda trial: held(Rig(trial), *states)
 
 
 def two(trial: Trial) -> list[bool]:
-    """Observe what two tanks hold after a message to the first one only, with its button pressed."""
+    """Observe two tanks after the button of only the first one's joystick is pressed."""
     first, second = Rig(trial), Rig(trial, name="Tank")
     return [held(first, (1,)), held(second)]
 
 
 def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
-    """Observe something after a message from another node, with rclpy's own node."""
+    """Observe the effect of a message from another node, with rclpy's own node."""
     with ros_node() as node:
         rig = Rig(trial, node=node)
         before = look(rig)
@@ -133,25 +133,25 @@ def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
         return look(rig)
 
 
-BUTTON_0_IS_PRESSED = ("You probably read another button, or confuse True "
+BUTTON_0_IS_PRESSED = ("You probably read a different button, or swap True "
                        "and False. The first button is message.buttons[0].")  # fmt: skip
-BUTTON_1_IS_PRESSED = "You probably read another button, or all of them. Only the first one counts: message.buttons[0]."
+BUTTON_1_IS_PRESSED = "You probably read a different button, or all of them. Read only the first: message.buttons[0]."
 CASES = [
     Case("the topic", lambda trial: Rig(trial).node.on(Joy, "joy"),
          "You probably wrote a configure that doesn't subscribe to "
-         '"joy". Call super().configure(config) in it, or leave it out.'),
+         '"joy". Call super().configure(config) in it, or remove it.'),
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is held, in a second message", after((1, 0), (1, 0)),
-         "You probably put True only when the button goes down. Put True as long as it is pressed."),
-    Case("button 0 is released", after((1, 0), (0, 0)), "You probably don't put False after the release, or you ignore "
-         "messages that come soon after another. Then True stays."),
+         "You probably put True only when the button goes down. Put True while it is pressed."),
+    Case("button 0 is released", after((1, 0), (0, 0)), "You probably don't put False after the release, or ignore "
+         "messages in quick succession, so True stays."),
     Case("button 0 is pressed, after a message with it released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),
     Case("a message without buttons, after one with button 0 pressed", after((1, 1), ()),
          "You probably read message.buttons[0] without checking "
-         "that it exists, or you put nothing. Put False if len is 0.", crashes=True),
+         "that it exists, or put nothing. Put False if there is no button.", crashes=True),
     Case("a message with only one button, pressed", after((1,)),
          "You probably require more than one button. One is enough: len(message.buttons) > 0.", crashes=True),
     Case("two tanks, and button 0 of the first one's joystick is pressed", two),
@@ -161,14 +161,14 @@ CASES = [
 
 
 def say(seen: Any) -> str:
-    """Put what `fire` holds into words; of two tanks, for each."""
+    """Put the value of `fire` into words, or those of two tanks."""
     if isinstance(seen, list):
         return ", and ".join(map(say, seen))
     return f"self.fire holds {seen}" if isinstance(seen, bool) else str(seen)
 
 
 def on_ros(trial: Trial) -> str:
-    """Observe what `fire` holds after a message from another node."""
+    """Observe the value of `fire` after a message from another node."""
     return over_ros(trial, Joy(buttons=[1]), lambda rig: say(held(rig)))
 
 

@@ -1,18 +1,18 @@
 """The exercise `gaps`: find in a bag where a stream was interrupted.
 
 Write the function `find_gaps(messages)`. It takes a bag's messages of one topic, a list of pairs `(time_ns, message)`
-in the order of receipt, each `message` a `JointState`. It returns a list of what happened, in the same order:
+in the order of receipt; each `message` is a `JointState`. It returns a list of events, in the same order:
 
 - `("gap", before, after)` if a stamp is more than 0.1 s after the newest one so far;
 - `("restart", before, after)` if a stamp is more than 1 s before the newest one so far. The publisher has restarted,
   and the newest stamp starts over with this one.
 
-`before` is the newest stamp so far and `after` the message's, both in whole nanoseconds. If a message is only a little
-late, or as old as the newest one, nothing has happened. Report everything that happened, also what equals an earlier
-gap or restart. The list may be empty: never raise an exception, and don't change the list.
+`before` is the newest stamp so far and `after` is the message's stamp, both in whole nanoseconds. A message that is
+only a little late, or as old as the newest one, is not an event. Report every event, even if it equals an earlier gap
+or restart. The list can be empty: never raise an exception, and don't change the list.
 
-Hint 1: What do you compare each stamp with? Not with the one before it, which may have been late, but with the newest
-so far. And the bag's own times don't say when a message was made.
+Hint 1: What do you compare each stamp with? Not with the previous one, which may have been late, but with the newest
+so far. And the bag's own times don't show when a message was made.
 
 Hint 2: Keep the newest stamp in a variable, None before the first message. Time.from_msg of rclpy.time turns a stamp
 into whole nanoseconds. Then there are three cases: far ahead, far back, and everything else.
@@ -55,36 +55,36 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = [
-    Mistake("you sort the messages, which hides a restart: take them in the bag's order.",
+    Mistake("you sort the messages, which hides a restart: keep the bag's order.",
             replace("in messages:", "in sorted(messages, key=lambda pair: stamps_of([pair])):")),
     Mistake("you compare each stamp with the one before it, which "
             "may have been late: compare it with the newest so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
-    Mistake("you take every step back for a restart: up to 1 s before the newest stamp, a message is only late.",
+    Mistake("you report every step back as a restart: up to 1 s before the newest stamp, a message is only late.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
-    Mistake("you compute seconds as floats, which are rounded: count and return whole nanoseconds.",
+    Mistake("you compute seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",
                          "Time.from_msg(message.header.stamp).nanoseconds / 1e9"),
                  replace("stamp - newest > 100_000_000", "stamp - newest > 0.1"),
                  replace("newest - stamp > 1_000_000_000", "newest - stamp > 1.0"))
             + both(replace("stamp - newest > 100_000_000", "stamp / 1e9 - newest / 1e9 > 0.1"),
                    replace("newest - stamp > 1_000_000_000", "newest / 1e9 - stamp / 1e9 > 1.0"))),
-    Mistake("you subtract unsigned integers, which become huge below 0: subtract Python's own, int(...).",
+    Mistake("you subtract unsigned integers, which wrap around below 0: convert them with int(...) first.",
             both(replace("stamp - newest >", "(stamp - newest) % 2**64 >"),
                  replace("newest - stamp >", "(newest - stamp) % 2**64 >"))),
-    Mistake("you return gaps and restarts apart from each other: keep the bag's order.",
+    Mistake("you return gaps and restarts separately: keep the bag's order.",
             replace("return found", "return sorted(found, key=lambda each: each[0])",
                     "return sorted(found, key=lambda each: each[0], reverse=True)")),
-    Mistake("you leave out what equals an earlier gap or restart. It has happened again: report it again.",
+    Mistake("you leave out a gap or restart that equals an earlier one: report it again.",
             replace("return found", "return [*dict.fromkeys(found)]")
             + replace('found.append(("restart"', '("restart", newest, stamp) in found or found.append(("restart"')),
     Mistake("after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.",
             replace('"restart", newest, stamp))', '"restart", newest, stamp))\nstamp = 0',
                     '"restart", newest, stamp))\ncontinue')),
     Mistake("you always return an empty list: compare each stamp "
-            "with the newest so far, and let no `try` hide an error.",
+            "with the newest so far, and don't hide errors with `try`.",
             replace("return found", "return []")),
-    Mistake("you use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.",
+    Mistake("you use only sec or only nanosec, which restarts at 0 in every second: a stamp is both together.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
     Mistake("you compare the bag's own times. They say when a message "
@@ -93,25 +93,23 @@ MISTAKES = [
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "
            'in nanoseconds. Compare each stamp with it, append ("gap", newest, stamp) or '
-           '("restart", newest, stamp) if one has happened, and then move newest on.')  # fmt: skip
-A_LIST = (
-    'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), or an empty list if nothing has happened.'
-)
+           '("restart", newest, stamp) where needed, and then update newest.')  # fmt: skip
+A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), or [] if there are no events.'
 WORDS = 'The only words are "gap" and "restart". A late message is not reported.'
 
 HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
 
-Found = list[tuple[str | float, ...]]  # what happened, and the stamps [ns]: whole ones as text, which keeps every digit
+Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]: whole ones as text, which keeps every digit
 
 
 def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tuple[int, JointState]]:
     """Make the messages of a bag.
 
     Args:
-        stamps: the stamps of its messages [s].
-        since: the time that is added to all stamps [s].
-        every: the time between two receipts [s].
+        stamps: the stamps of the messages [s].
+        since: the time to add to all stamps [s].
+        every: the time from one receipt to the next [s].
     """
     for i, stamp in enumerate(stamps):
         message = JointState(name=["TURRET_Y"], position=[0.1])
@@ -125,7 +123,7 @@ def stamps_of(messages: Sequence[tuple[int, JointState]]) -> list[int]:
 
 
 def bag(*stamps: float, **how: Any) -> Callable[[Trial], Found]:
-    """Make a case that observes what is found in a bag with these stamps [s].
+    """Make a case that observes the result for a bag with these stamps [s].
 
     Args:
         stamps, how: as for `recorded`.
@@ -134,45 +132,45 @@ def bag(*stamps: float, **how: Any) -> Callable[[Trial], Found]:
 
 
 def two(trial: Trial) -> Found:
-    """Observe what is found in two bags. The first result is read after the second call."""
+    """Observe the results for two bags. The first result is read after the second call."""
     bags = (list(recorded(*stamps)) for stamps in ((1.0, 1.5), (2.0, 2.5)))
     both = [trial.ask(bag, read=lambda found: found, wanted=A_LIST) for bag in bags]
     return [each for found in both for each in read(found)]
 
 
 def read(returned: Sequence[tuple[Any, ...]]) -> Found:
-    """Return what was found in a form that can be compared.
+    """Convert a result to a form that can be compared.
 
     Raises:
-        Misuse: something else than a gap or a restart was found.
+        Misuse: the result contains something other than gaps and restarts.
     """
     if not {what for what, *_ in returned} <= {"gap", "restart"}:
-        raise Misuse("it names something else than a gap or a restart", WORDS)
+        raise Misuse("it reports something other than a gap or a restart", WORDS)
     return [(what, *map(whole, stamps)) for what, *stamps in returned]
 
 
 def whole(number: Any) -> str | float:
-    """Return a whole number as text with all its digits. Return any other number, or too large a float, as a float."""
+    """Return a whole number as text with all its digits, and a fraction or inexact large float as a float."""
     is_exact = number % 1 == 0 and (not isinstance(number, float) or abs(number) < 2**53)
     return f"{int(number):_}" if is_exact else float(number)
 
 
-A_GAP = ("You probably have another limit, or append something else. If a stamp is more than 100_000_000 "
+A_GAP = ("You probably use a different limit, or append something else. If a stamp is more than 100_000_000 "
          'ns ahead, append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
 RECEIPT = f"Most likely {MISTAKES[-1].cause}"
-BOTH_PARTS = ("You probably use only sec or only nanosec, which starts "
-              "at 0 again with every second: a stamp is both together.")  # fmt: skip
-FRACTION = "You probably compute seconds as floats, which are rounded: count in whole nanoseconds."
-RESTART_FROM_0 = ("You probably have another limit for a restart: it is "
-                  "more than 1_000_000_000 ns before the newest stamp.")  # fmt: skip
-NEWEST = ("You probably compare each stamp with the one before it, or take "
-          "any step back for a restart: compare it with the newest so far.")  # fmt: skip
+BOTH_PARTS = ("You probably use only sec or only nanosec, which restarts "
+              "at 0 in every second: a stamp is both together.")  # fmt: skip
+FRACTION = "You probably compute seconds as floats, which are rounded: use whole nanoseconds."
+RESTART_FROM_0 = ("You probably use a different limit for a restart: the stamp is "
+                  "more than 1_000_000_000 ns before the newest one.")  # fmt: skip
+NEWEST = ("You probably compare each stamp with the one before it, or report "
+          "any step back as a restart: compare it with the newest so far.")  # fmt: skip
 EXACTLY = ("You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 "
-           "s ahead, or exactly 1 s back, is nothing yet: compare whole nanoseconds with >.")  # fmt: skip
+           "s ahead, or exactly 1 s back, is not an event: compare whole nanoseconds with >.")  # fmt: skip
 CASES = [
     Case("20 ms apart", bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
-         "Nothing has happened here. You probably have a newest stamp before the first "
-         "message, or limits in another unit: start with None, and 0.1 s are 100_000_000 ns."),
+         "This bag has no events. You probably have a newest stamp before the first "
+         "message, or limits in a different unit: start with None; 0.1 s is 100_000_000 ns."),
     Case("the bag's times are 3 s apart, the stamps 20 ms", bag(1.0, 1.02, 1.04, every=3.0), RECEIPT),
     Case("0.09 s without a message", bag(1.0, 1.02, 1.11, 1.13), A_GAP),
     Case("0.3 s without a message", bag(1.0, 1.02, 1.32, 1.34), A_GAP),
@@ -192,7 +190,7 @@ CASES = [
     Case("1 s and 1 ns back", bag(2.0, 0.999999999), RESTART_FROM_0),
     Case("1.8 s back", bag(3.9, 2.1, 2.12), RESTART_FROM_0),
     Case("a gap after 0 s", bag(0.0, 0.5, 0.52),
-         "You probably take the stamp 0 for no stamp: ask whether newest `is None`."),
+         "You probably treat the stamp 0 as missing: test whether newest `is None`."),
     Case("a restart, then a gap", bag(3.98, 0.0, 0.02, 0.42, 0.44)),
     Case("two restarts", bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52)),
     Case("a restart from 50 s", bag(100.0, 100.02, 50.0, 50.02)),
@@ -202,7 +200,7 @@ CASES = [
     Case("a robot's stamps, exactly 0.1 s apart", bag(0.826, 0.926, 0.946, since=SINCE_1970), FRACTION),
     Case("a robot's stamps, 0.1 s and 1 ns apart", bag(0.028000037, 0.128000038, since=SINCE_1970), FRACTION),
     Case("two bags, one after the other", two,
-         "You probably keep the list from call to call: make a new one in each call."),
+         "You probably reuse one list in all calls: make a new one in each call."),
     Case("no message", bag(), "You probably expect at least one message: return an empty list for an empty bag.",
          crashes=True),
     Case("a single message", bag(1.0)),
@@ -210,7 +208,7 @@ CASES = [
 
 
 def say(found: Found) -> str:
-    """List what was found, as far as a line has room for it beside what is expected."""
+    """List as many events as fit into half a line, which leaves room for the expected ones."""
     said = [f"{what} {' to '.join(map(str, stamps))}" for what, *stamps in found]
     count = len(said)
     while count > 1 and len(", ".join(said[:count])) > HALF_A_LINE:

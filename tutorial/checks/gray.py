@@ -2,31 +2,31 @@
 
 Write the controller `GrayPublisher`. It publishes what the camera `CAMERA` sees, in gray: an `Image` on the topic
 `camera/gray` of its body, 5 times per simulated second. For the body `Tank` the topic is `Tank/camera/gray`, without a
-slash in front, so it is in the node's namespace.
+leading slash, so it is in the node's namespace.
 
-- Ask for a picture every 0.2 s, for the first one at most 0.2 s after the start. Where 0.2 s isn't a whole number of
-  steps, round the number of steps or keep the rate on average. Publish every picture that you get, also one that equals
-  the last: a message that says the same is still a message.
-- A pixel is one byte, the average of its red, green and blue, rounded or cut off. That encoding is called `mono8`. The
-  field `step` says how many bytes a row has.
-- The stamp is the simulated time at the moment of asking. A picture may come after you have asked for the next one, or
-  not at all. The frame is the camera's optical frame, for the body `Tank` it is `Tank/CAMERA_optical`.
-- Pictures of any size, any body that has such a camera, and any time step must work.
+- Request a picture every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
+  round the number of steps or keep the rate on average. Publish every picture that you get, even if it equals the last:
+  a repeated message is still a message.
+- A pixel is one byte, the average of its red, green and blue, rounded or truncated. This encoding is called `mono8`.
+  The field `step` is the number of bytes in a row.
+- The stamp is the simulated time of the request. A picture can arrive after the next request, or not at all. The frame
+  is the camera's optical frame; for the body `Tank` it is `Tank/CAMERA_optical`.
+- It works with pictures of any size, on any body that has such a camera, and with any time step.
 - When the simulation stops, `stop` closes the camera. In `unconfigure`, the node destroys the publisher.
 
-Hint 1: Look at who does what. control only asks for a picture, five times per simulated second. The function that gets
-the picture does everything else.
+Hint 1: Look at who does what. control only requests a picture, five times per simulated second. The function that
+receives the picture does everything else.
 
-Hint 2: In control, have the camera capture a picture. Pass it the function that gets the picture, and the simulated
-time. That function gets the pixels and that time. It fills the message: height and width from pixels.shape, one byte
+Hint 2: In control, make the camera capture a picture. Pass it the function that receives the picture, and the simulated
+time. That function receives the pixels and the time. It fills the message: height and width from pixels.shape, one byte
 per pixel in each row.
 
 Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape;
 message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
 Time(nanoseconds=time_ns).to_msg().
 
-Notice that the control loop never waits for a picture. And gray, half as often, needs a sixth of the bytes per second
-that colour needs.
+Notice that the control loop never waits for a picture. And gray pictures at half the rate need a sixth of the bytes per
+second that colour needs.
 """
 
 from array import array
@@ -67,12 +67,12 @@ class GrayPublisher(SimpleController):
         self.steps_per_picture = round(1 / (5 * io.time_step))
 
     def control(self) -> None:
-        """Ask for a picture five times per simulated second."""
+        """Request a picture five times per simulated second."""
         if self.io.step % self.steps_per_picture == 0:
             self.camera.capture(self.publish, self.io.time_ns)
 
     def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:
-        """Publish a picture. The camera's thread."""
+        """Publish a picture. Called on the camera's thread."""
         message = Image()
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
         message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"
@@ -83,7 +83,7 @@ class GrayPublisher(SimpleController):
         self.publisher.publish(message)
 
     def stop(self) -> None:
-        """Close the camera, which delivers no picture afterwards."""
+        """Close the camera: it delivers no more pictures."""
         self.camera.close()
 
     def unconfigure(self) -> None:
@@ -92,11 +92,11 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("you give message.data an array with rows. It takes one byte after the other: array('B', ....tobytes()).",
+    Mistake("you give message.data an array with rows. It needs a flat array of bytes: array('B', ....tobytes()).",
             replace('array("B", pixels.mean(axis=2).astype(np.uint8).tobytes())',
                     "pixels.mean(axis=2).astype(np.uint8)")),
-    Mistake("you take one colour, the sum or another mean, or compute in "
-            "bytes, which overflow and cut off: take pixels.mean(axis=2).",
+    Mistake("you use one colour, the sum or a different mean, or compute in "
+            "bytes, which overflow and truncate: use pixels.mean(axis=2).",
             replace("pixels.mean(axis=2)", "pixels[:, :, 0]", "pixels[:, :, 1]", "pixels[:, :, 2]",
                     "pixels.sum(axis=2)", "(pixels.sum(axis=2, dtype=np.uint8) / 3)", "(pixels//3).sum(axis=2)",
                     "pixels.max(axis=2)", "pixels.min(axis=2)", "(pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)")),
@@ -106,7 +106,7 @@ MISTAKES = [
     Mistake("you divide by 255. In mono8, white is 255, as in the pixels.",
             replace("pixels.mean(axis=2)", "(pixels.mean(axis=2) / 255)")),
     Mistake("you turn the picture upside down, mirror it, or swap rows and "
-            "columns: the top row comes first, each from left to right.",
+            "columns: send the top row first, each row from left to right.",
             replace("pixels.mean(axis=2)", "pixels[::-1].mean(axis=2)", "pixels[:, ::-1].mean(axis=2)",
                     "pixels[::-1, ::-1].mean(axis=2)", "pixels.mean(axis=2).T")),
 ]  # fmt: skip
@@ -128,13 +128,13 @@ def picture(number: int, width: int, height: int) -> Pixels:
 
 
 class Camera:
-    """Stand for a `tutorial.view.camera.Camera`.
+    """Replace a `tutorial.view.camera.Camera`.
 
-    Attributes that a real camera lacks begin with an underscore, so that no message suggests them to a learner.
+    Attributes that a real camera lacks begin with an underscore, so no message suggests them to a learner.
 
     Args:
-        rig: the rig that it belongs to.
-        body: the body that it is on.
+        rig: the camera's rig.
+        body: the camera's body.
         name: must be ``"CAMERA"``.
     """
 
@@ -146,26 +146,26 @@ class Camera:
         rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
-        """Note the request, and what to deliver for it."""
+        """Record the request, with the call that will deliver its picture."""
         if not callable(deliver):
-            raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
+            raise Misuse(f"capture gets {deliver!r} instead of a function", AT_ONCE.format("publish"))
         pixels = picture(0 if self._rig.is_still else len(self._rig.orders), self.width, self.height)
         self._rig.orders.append(
             (self._rig.io.step, self, pixels, partial(self._rig.trial.call, deliver, pixels.copy(), *arguments))
         )
 
     def close(self) -> None:
-        """Deliver no more pictures."""
+        """Stop delivering pictures."""
         self._is_open = False
 
 
 class CameraRig(Rig):
-    """A rig with a camera. Its pictures may come later, and one of them not at all.
+    """A rig with a camera. Its pictures can be late, and one of them can be missing.
 
     Args:
         trial: the trial that the rig belongs to.
-        delay: the steps from asking for a picture to its delivery.
-        missed: the number of a picture that never comes.
+        delay: the number of steps from a request to its delivery.
+        missed: the number of the picture that is never delivered.
         is_still: whether all pictures are equal.
         options: the options of `Rig`.
 
@@ -183,7 +183,7 @@ class CameraRig(Rig):
         self.body.find_camera = partial(Camera, self)
 
     def start(self, step: int = 0) -> None:
-        """Start to simulate."""
+        """Start the simulation, without any requests."""
         self.orders = list[tuple[int, Camera, Pixels, Callable[[], None]]]()
         self.delivered = list[tuple[int, Pixels]]()
         super().start(step)
@@ -211,7 +211,7 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "time_ns")
 
 
 def stamps(trial: Trial, **options: Any) -> Any:
-    """Compare the stamps with the times of asking, with steps of 7 ms."""
+    """Compare the stamps with the times of the requests, with steps of 7 ms."""
     rig = PUBLISHING.play(trial, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
         return f"{len(rig.orders)} of 8 pictures are requested"
@@ -237,7 +237,7 @@ def frame(frame_id: str) -> str:
 
 
 CASES = [
-    Case("what is sent", PUBLISHING.sent(0.7)),
+    Case("the content", PUBLISHING.sent(0.7)),
     Case("the size", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
          "You probably swap width and height, leave them out or hard-code "
          "them: message.height, message.width, _ = pixels.shape."),
@@ -247,17 +247,17 @@ CASES = [
     Case("the row", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
          "You probably leave out step, or count three bytes per pixel: a row has message.step = message.width bytes."),
     Case("the frame", PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
-         "You probably hard-code or leave out the body, or name another "
-         'frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
-    Case("the stamp", stamps, "You probably don't pass the time of asking on, or not all of it: "
-         "self.camera.capture(self.publish, self.io.time_ns), and then both sec and nanosec."),
-    Case("pictures that come late, or not at all", lambda trial: stamps(trial, delay=40, missed=2),
-         "You probably don't ask at every due time, or don't stamp each picture with the time of "
-         "asking for it. Pass that time on: self.camera.capture(self.publish, self.io.time_ns)."),
+         "You probably hard-code or leave out the body's name, or use a "
+         'different frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
+    Case("the stamp", stamps, "You probably lose the time of the request, or a part of it. Pass it to "
+         "self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec."),
+    Case("late and missing pictures", lambda trial: stamps(trial, delay=40, missed=2),
+         "You probably leave out some requests, or don't stamp each picture with the time of "
+         "its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
     Case("nothing moves, so all pictures are equal", still,
-         "You probably leave out a picture that equals an earlier one. It is still a message: publish each."),
-    Case("after stop", left_open, "You probably don't close the camera in stop, or have looked up several: "
-         "look it up in initialize, and let stop call self.camera.close()."),
+         "You probably leave out a picture that equals an earlier one. Publish all: a repeated message is a message."),
+    Case("after stop", left_open, "You probably don't close the camera in stop, or look up several cameras: "
+         "look it up once, in initialize, and call self.camera.close() in stop."),
 ]  # fmt: skip
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
 gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, CASES, MISTAKES, MEANING), PARTS)

@@ -1,35 +1,35 @@
-"""The exercise `gyro`: publish averages of what a sensor measures.
+"""The exercise `gyro`: publish averages of a sensor's measurements.
 
 Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on
-the topic `gyro` of its body. For the body `Tank` that is `Tank/gyro`, without a slash in front, so the topic is in the
+the topic `gyro` of its body. For the body `Tank` that is `Tank/gyro`, without a leading slash, so the topic is in the
 node's namespace.
 
 - It publishes 10 times per simulated second: one message every `round(1 / (10 * io.time_step))` steps. You may also
-  publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. The first message comes
-  at any step within 1/10 s after the start, also at the first step, with a single value.
-- It publishes each message even if nothing has changed, as on a robot that doesn't turn.
-- The angular velocity is the average of what the sensor `GYRO` has measured since the last message: one value per step,
-  also that of the step in which the message is published.
-- It marks what is not measured: -1 is the first number in the covariances of orientation and linear acceleration
+  publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. Publish the first
+  message at any step within 1/10 s after the start; at the very first step it has a single value.
+- It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
+- The angular velocity is the average of the values of the sensor `GYRO` since the last message: one value per step,
+  including the step that publishes the message.
+- It marks unmeasured fields: the first number in the covariances of orientation and linear acceleration is -1
   (`message.orientation_covariance[0] = -1.0`), but not in that of the angular velocity.
-- Its stamp is the simulated time at which it is published.
-- Its frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank you may also use the chassis,
+- The stamp is the simulated time of publishing.
+- The frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank you may also use the chassis,
   `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
 - It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
-  go on: step 0 doesn't come again.
+  continue: they don't start at 0 again.
 - In `unconfigure`, when the controller leaves the body, the node destroys its publisher.
 
-Hint 1: Look at what happens how often. You measure in every step, but with steps of 1 ms you publish only in every
-hundredth. Keep what you measure until you publish.
+Hint 1: Look at how often each thing happens. You measure in every step, but with steps of 1 ms you publish only in
+every hundredth. Keep the measurements until you publish.
 
 Hint 2: In initialize look up the sensor, and start with an empty list. In control append the sensor's value, in every
-step. When a message is due, publish the average of the list, and empty it. Mark what is not measured.
+step. When a message is due, publish the average of the list, and empty it. Mark the unmeasured fields.
 
 Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
 np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances,
 message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.clear().
 
-Notice that the average of many measurements shakes less than any of them, and you lose nothing between them.
+Notice that the average of many measurements is less noisy than each of them, and that no measurement is lost.
 """
 
 import dataclasses
@@ -67,7 +67,7 @@ class GyroPublisher(SimpleController):
         self.steps_per_message = round(1 / (10 * io.time_step))
 
     def control(self) -> None:
-        """Keep what is measured, and publish the average when a message is due."""
+        """Keep the measurement, and publish the average when a message is due."""
         self.samples.append(self.sensor.value)
         if self.io.step % self.steps_per_message == 0:
             message = Imu()
@@ -97,8 +97,8 @@ MISTAKES = [
     Mistake("you average over all numbers at once, or over x, y and z. Average each component by itself, with axis=0.",
             replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
                     "np.mean(self.samples, axis=1)")),
-    Mistake("you don't start again after a message, so older measurements "
-            "still count. Empty the list, or set sum and count to 0.",
+    Mistake("you keep old measurements after a message. Empty the list, "
+            "or set sum and count to 0.",
             replace("self.samples.clear()", "pass")),
     Mistake("you reset only the sum or only the count after a message. Reset "
             "both; for a sum make a new array, because += changes the old one.",
@@ -121,11 +121,11 @@ MISTAKES = [
             "the tip of its jib: use the sensor's own frame, \".../GYRO\".",
             replace('{self.sensor.name}"', 'base_link"')),
     Mistake("you convert the angular velocity. Send it unchanged: the "
-            "sensor measures in rad/s, and the message has rad/s, too.",
+            "sensor and the message both use rad/s.",
             replace("self.sensor.value)", "np.degrees(self.sensor.value))", "np.radians(self.sensor.value))")),
 ]  # fmt: skip
 MEANING = ("You probably leave out measurements, count some twice, or weight them. "
-           "Publish the plain average of all since the last message, one from each step.")  # fmt: skip
+           "Publish the plain average of all since the last message, one per step.")  # fmt: skip
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
 GYROSCOPE_ALONE = """
@@ -137,7 +137,7 @@ GYROSCOPE_ALONE = """
 
 
 def shaken(trial: Trial, signal: NDArray[np.float64] = SIGNAL, **options: Any) -> Rig:
-    """Make a rig whose gyroscope measures a signal, and the accelerometer something else."""
+    """Make a rig whose gyroscope measures a signal, and whose accelerometer measures something else."""
 
     def measure() -> None:
         for sensor, scale in zip(sensors, (1, 10)):
@@ -151,11 +151,11 @@ def shaken(trial: Trial, signal: NDArray[np.float64] = SIGNAL, **options: Any) -
 
 
 def means(rig: Rig, sent: list[Sent]) -> Any:
-    """Observe whether each message has the average of what was measured since the message before."""
+    """Observe whether each message has the average of the measurements since the previous message."""
     seen = [(v.x, v.y, v.z) for v in (each.message.angular_velocity for each in sent)]
     windows = pairwise([rig.begun - 1, *(each.step for each in sent)])
     wanted = (SIGNAL[min(before + 1, step) : step + 1].mean(axis=0).tolist() for before, step in windows)
-    return compared([*zip(seen, wanted)], "the averages of what was measured", word)
+    return compared([*zip(seen, wanted)], "the averages of the measurements", word)
 
 
 def word(velocity: Iterable[float]) -> str:
@@ -181,17 +181,17 @@ RESTING = dataclasses.replace(PUBLISHING, scene=partial(shaken, signal=np.zeros(
 FRAME = ("You probably leave out the name of the body or the sensor: "
          'message.header.frame_id = f"{self.io.body.name}/GYRO".')  # fmt: skip
 CASES = [
-    Case("what is sent", PUBLISHING.sent(0.45, ms=2)),
-    Case("what is not measured", PUBLISHING.sent(0.25, look=marks),
-         "You probably mark too little or too much. Put -1.0 into orientation_covariance[0] "
+    Case("the content", PUBLISHING.sent(0.45, ms=2)),
+    Case("unmeasured fields", PUBLISHING.sent(0.25, look=marks),
+         "You probably mark too few or too many fields. Put -1.0 into orientation_covariance[0] "
          "and linear_acceleration_covariance[0], and nowhere else."),
     Case("the frame", PUBLISHING.sent(0.25, look=frame), FRAME),
     Case("the frame, on the crane Lift", PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"), FRAME),
-    Case("on the crane, 20 ms a step", PUBLISHING.sent(0.45, model="crane", ms=20)),
+    Case("on the crane, with steps of 20 ms", PUBLISHING.sent(0.45, model="crane", ms=20)),
     Case("on a robot that doesn't turn", RESTING.rate(10),
          "You probably publish nothing while the robot doesn't turn. Publish every "
          "message: receivers can't tell rest from a lost connection."),
-    Case("on a robot with a gyroscope alone", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
-         "You probably use the accelerometer, too, and this robot has none. Send only what the gyroscope measures."),
+    Case("on a robot with only a gyroscope", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
+         "You probably use the accelerometer, too, which this robot lacks. Send only the gyroscope's measurements."),
 ]  # fmt: skip
 gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, CASES, MISTAKES, MEANING))

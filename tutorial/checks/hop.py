@@ -1,29 +1,29 @@
 """The exercise `hop`: a timer on the main thread, and state that ends with the controller.
 
 Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, which for the body `Tank` is `Tank/imu`
-(type `Imu`). The node has no namespace, so the topic may also begin with a slash. When a message reports a blow, the
+(type `Imu`). The node has no namespace, so the topic can also begin with a slash. When a message reports a blow, the
 displayed body hops:
 
 - A blow is a horizontal acceleration, the length of x and y together, of more than 20 m/s².
-- At a blow the body goes up at once, to 0.1 m above where it stood. 0.5 s later it is back exactly where it stood.
-- If another blow comes while the body is up, it stays up until 0.5 s after that blow, and goes no higher. Other
-  messages change nothing. A blow counts even if its message is equal to the one before.
-- No blow gets lost if up to five messages come while the executor's thread and the main thread are busy.
-- The timer is asyncio's, on the main thread. After each move come `calc_forward_kinematics` and `notify_change`.
-- When the controller leaves the body, no timer is left, the body stands where it stood, and the node has destroyed the
-  subscription.
+- After a blow, the body immediately rises by 0.1 m. 0.5 s later, it is back exactly where it stood.
+- If another blow arrives while the body is up, it stays up until 0.5 s after that blow, and rises no higher. Other
+  messages change nothing. A blow counts even if its message equals the previous one.
+- No blow is lost if up to five messages arrive while the executor's thread and the main thread are busy.
+- Use asyncio's timer, on the main thread. After each move, call `calc_forward_kinematics` and `notify_change`.
+- When the controller leaves the body, no timer is running, the body is back where it stood, and the node has destroyed
+  the subscription.
 
-Hint 1: Look at what you have to remember between two calls: where the body stood, and the timer. Whether there is a
-timer also says whether the body is up.
+Hint 1: Look at what you have to remember between two calls: where the body stood, and the timer. The timer also tells
+you whether the body is up.
 
-Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. At
-a blow land first; then note the position, move the body up, and start a new timer. Land in unconfigure, too.
+Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. On
+a blow, land first; then store the position, move the body up, and start a new timer. Land in unconfigure, too.
 
 Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
 notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
 back self.place itself: if you add and subtract, the result is not exactly the same.
 
-Notice that one method lands, for the timer, the next blow and unconfigure: the first of them ends the hop.
+Notice that the timer, the next blow and unconfigure all use the same method to land: the first of them ends the hop.
 """
 
 import asyncio
@@ -69,7 +69,7 @@ class HopViewer(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:
-        """Hop at a blow. If the body is up, land first."""
+        """Hop on a blow. If the body is up, land first."""
         a = message.linear_acceleration
         if hypot(a.x, a.y) > 20:
             self.land()
@@ -86,7 +86,7 @@ class HopViewer(SimpleController):
             self.move(self.place)
 
     def move(self, position: ArrayLike) -> None:
-        """Put the body there, and have it drawn."""
+        """Put the body at a position, and have it drawn."""
         self.body.position = position
         self.body.calc_forward_kinematics()
         self.body.notify_change()
@@ -98,7 +98,7 @@ class HopViewer(SimpleController):
 
 
 class Hall(Viewer):
-    """A displayed body that may be put anywhere. Each method says what is seen."""
+    """A viewer whose body can be put anywhere. Its methods describe what is seen."""
 
     place: Vector
 
@@ -122,7 +122,7 @@ class Hall(Viewer):
         return "somewhere else" if x or y else f"{z:.3g} m higher"
 
     def falls(self) -> str:
-        """Say when the body is down again, however long that takes."""
+        """Wait until the body is down again, and say how long that took."""
         self.shown.clear()
         began, timers = self.loop.time(), len(self.loop.timers)
         for _ in range(1000):
@@ -140,7 +140,7 @@ class Hall(Viewer):
 
 
 def imu(x: float, y: float, z: float) -> Imu:
-    """Make a message [m/s^2]."""
+    """Make a message with an acceleration [m/s^2]."""
     return Imu(linear_acceleration=Vector3(x=x, y=y, z=z))
 
 
@@ -169,7 +169,7 @@ ACCELERATIONS: tuple[Vector, ...] = (
 
 
 def mistaken(hall: Hall) -> str:
-    """Observe which accelerations are wrongly taken for blows, and which blows are missed."""
+    """Observe which accelerations are mistaken for blows, and which blows are missed."""
     odd: dict[bool, list[str]] = {True: [], False: []}
     for x, y, z in ACCELERATIONS:
         with closing(hall.another()) as other:
@@ -178,12 +178,12 @@ def mistaken(hall: Hall) -> str:
             taken = bool(hall.trial.noted.pop("timer", None) or moved or other.loop.timers)
             if taken != (hypot(x, y) > 20):
                 odd[taken].append(f"{x:g} {y:g} {z:g}")
-    words = {True: "taken for a blow", False: "missed"}
+    words = {True: "mistaken for a blow", False: "missed"}
     return "; ".join(f"{words[taken]}: {', '.join(each)}" for taken, each in odd.items() if each) or "all are right"
 
 
 def in_a_crowd(hall: Hall) -> str:
-    """Observe what becomes of a blow among harmless messages that come while both threads are busy."""
+    """Observe whether a blow is lost among harmless messages that arrive while both threads are busy."""
     crowd = (BLOW, *[HARMLESS] * 4)
     kept = crowd[-hall.node.subscriptions[-1].depth :]
     for each in kept:
@@ -200,41 +200,41 @@ STAYS = ("You probably put the body back in unconfigure even if it is "
          "down. First test if it is up: self.timer is not None.")  # fmt: skip
 CASES = [
     Case("accelerations x y z [m/s²]", hopped(mistaken),
-         "You probably test another condition. With a = message.linear_acceleration it is hypot(a.x, a.y) > 20."),
+         "You probably test a different condition. With a = message.linear_acceleration it is hypot(a.x, a.y) > 20."),
     Case("after a blow", hopped(blow, Hall.where),
-         "You probably put the body somewhere else, or change a copy of its position. Note "
-         "self.body.position when the blow comes, then set self.body.position to its x, y and z + 0.1."),
+         "You probably put the body somewhere else, or change a copy of its position. Store "
+         "self.body.position when the blow arrives, then set self.body.position to its x, y and z + 0.1."),
     Case("the hop ends", hopped(blow, Hall.falls),
-         "You probably use another timer or time, or what the timer calls does not put the "
-         "body back. In update write asyncio.get_running_loop().call_later(0.5, self.land)."),
+         "You probably use a different timer or duration, or the function that it calls does not put "
+         "the body back. In update write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "You probably compute or hard-code the place to land. Set the position that you noted when the blow came."),
+         "You probably compute or hard-code the place to land. Set the position that you stored on the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after it has landed and been moved elsewhere", hopped(blow, land, move_it, other_blow, *THEN),
-         "You probably keep something from the hop before. On landing "
-         "set self.timer = None, and note the position at each blow."),
+         "You probably keep something from the previous hop. On landing "
+         "set self.timer = None, and store the position on each blow."),
     Case("a second blow while it is up", hopped(blow, wait, other_blow, *THEN),
-         "You probably ignore it, lift the body again, note its position while it is up, or let the first timer "
-         "go on. Cancel the first timer and start a new one of 0.5 s; position and height stay."),
-    Case("an equal blow again", hopped(blow, land, blow, Hall.where),
-         "You probably skip a message that is equal to the one before. A "
-         "second blow may be equal to the first: post each message."),
+         "You probably ignore it, lift the body again, store its position while it is up, or keep the first timer. "
+         "Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),
+    Case("the same blow again", hopped(blow, land, blow, Hall.where),
+         "You probably skip a message that equals the previous one. A "
+         "second blow can equal the first: post every message."),
     Case("a harmless message while it is up", hopped(blow, wait, harmless, *THEN),
          "You probably react to a harmless message while the body is up. "
          "First test for a blow: only a blow may touch the timer."),
     Case("a blow and four harmless messages while both threads are busy", hopped(in_a_crowd, Hall.where, Hall.falls),
-         "You probably lose messages. Keep ten in the subscription, "
-         "post each with call_later, and pass the message along."),
+         "You probably lose messages. Subscribe with a queue depth of 10, "
+         "post each message with call_later, and pass it along."),
     Case("the tank and the crane Lift", hopped(side_by_side(blow, Hall.where, land, Hall.where))),
     Case("after unconfigure while it is up", hopped(blow, wait, Hall.leaves, Hall.left),
-         "You probably don't land in unconfigure. Do what the "
-         "timer would do: cancel it, put the body back and notify."),
+         "You probably don't land in unconfigure. Cancel the "
+         "timer, put the body back and notify."),
     Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
          "You probably put the body back in unconfigure, but don't call "
-         "self.body.calc_forward_kinematics() and self.body.notify_change() after that."),
+         "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
     Case("after unconfigure, landed and moved elsewhere", hopped(blow, land, move_it, Hall.leaves), STAYS),
-    Case("a call that waits when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
+    Case("a call waiting when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
 ]  # fmt: skip
 ARRIVALS = harmless, hands_over(imu(*BLOW))
 hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), ARRIVALS, CASES, may_ask_clock=True, viewer=Hall))

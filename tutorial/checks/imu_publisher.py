@@ -1,4 +1,4 @@
-"""The exercise of step 4: publish means of what a sensor measures."""
+"""The exercise of step 4: publish averages of a sensor's measurements."""
 
 from tutorial.checks.gyro import gyro
 

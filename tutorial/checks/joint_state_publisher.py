@@ -1,4 +1,4 @@
-"""Exercises of step 2: publish joint states, and publish only what is news."""
+"""Exercises of step 2: publish joint states, and publish only changes."""
 
 from tutorial.checks.publish import publish
 from tutorial.checks.thrift import thrift

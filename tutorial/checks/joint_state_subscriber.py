@@ -1,4 +1,4 @@
-"""Exercises of step 3: match joints by name, show what another program publishes, and keep up with it."""
+"""Exercises of step 3: match joints by name, show joint states from another program, and keep up with them."""
 
 from tutorial.checks.by_name import by_name
 from tutorial.checks.keep_up import CalmViewer, keep_up

@@ -1,22 +1,22 @@
-"""The exercise `keep_up`: a viewer that shows the newest message, and lets at most one call wait.
+"""The exercise `keep_up`: a viewer that shows the newest message, and keeps at most one call waiting.
 
-Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, with one
-difference, so that it keeps up with any publisher:
+Write the controller `CalmViewer`, for messages that contain whole states. It works like `MyViewer`, with one
+difference, so it keeps up with any publisher:
 
 - While the main thread is busy, at most one call waits for it. When this call runs, it draws once: the newest message.
-- So messages that came before the newest one are not shown. But the last message always is, also if the publisher then
-  falls silent, and also if it comes while another message is drawn.
+- So earlier messages are not shown. But the last message always is, even if the publisher then falls silent, and even
+  if it arrives while another message is being drawn.
 
-Hint 1: Look at what waits while the main thread is busy. With MyViewer it is a call for every message, although you
-will see only the newest. What has to happen to a call that still waits when the next message comes?
+Hint 1: Look at what waits while the main thread is busy. With MyViewer, a call waits for every message, although you
+will see only the newest. What has to happen to a waiting call when the next message arrives?
 
-Hint 2: ControllerConfig has two ways to post. With one of them a new call replaces a waiting one if you post both under
-the same key. The key says what the call is about. Everything else stays as in MyViewer.
+Hint 2: ControllerConfig has two ways to post. With one of them, a new call replaces a waiting one if you post both
+under the same key. The key says what the call is about. Everything else stays as in MyViewer.
 
 Hint 3: In configure keep config.call_latest instead of config.call_later. Its first argument is a key, which has to be
 the same for every message, for example the body's name. Then come the function and the message, as before.
 
-Notice what you lose: a call that is replaced never runs, so every message has to name all joints.
+Notice what you lose: a replaced call never runs, so every message has to name all joints.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 BURST = 50
-MOST = 10_000  # instructions of a method, at which the other thread has a turn
+MOST = 10_000  # the limit for instructions of a method; the other thread interrupts at each of them
 BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 
 
@@ -51,11 +51,11 @@ class CalmViewer(SimpleController):
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message: JointState) -> None:
-        """Hand the message to the main thread, and replace one that still waits there."""
+        """Hand the message to the main thread, and replace any message that still waits there."""
         self.call_latest(self.body.name, self.update, message)
 
     def update(self, message: JointState) -> None:
-        """Move the body's joints to where the message says."""
+        """Move the body's joints to the message's positions."""
         positions, report = match_joints(self.body.joint_names, message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()
@@ -70,11 +70,11 @@ POST = "self.call_latest(self.body.name, self.update, message)"
 
 
 def burst(begin: int, look: Callable[[Viewer, Sequence[str]], str]) -> Step:
-    """Make a step: observe something when many messages have come while the main thread is busy.
+    """Make a step: deliver many messages while the main thread is busy, then observe something.
 
     Args:
-        begin: the number of the first message, of all that the viewer gets.
-        look: makes the observation, from the viewer and the places of the joints in the messages.
+        begin: the number of the first message, counted over all bursts.
+        look: returns the observation, given the viewer and the messages' joint positions in words.
     """
 
     def step(viewer: Viewer) -> str:
@@ -90,8 +90,8 @@ def burst(begin: int, look: Callable[[Viewer, Sequence[str]], str]) -> Step:
 
 
 def waiting(viewer: Viewer, _places: Sequence[str]) -> str:
-    """Observe how many calls wait."""
-    return f"calls that wait: {len(viewer.calls)}" + ", under different keys" * (len(set(viewer.keys)) > 1)
+    """Observe how many calls are waiting."""
+    return f"waiting calls: {len(viewer.calls)}" + ", under different keys" * (len(set(viewer.keys)) > 1)
 
 
 def drawn(viewer: Viewer, places: Sequence[str]) -> str:
@@ -103,7 +103,7 @@ def drawn(viewer: Viewer, places: Sequence[str]) -> str:
 
 
 def in_any_order(viewer: Viewer) -> str:
-    """Observe what is shown if one thread is interrupted by the other at any instruction."""
+    """Observe what is shown if either thread interrupts the other at any instruction."""
     stamps = count(100_000, 20)
     for interrupts_drawing in (True, False):
         for at in range(MOST):
@@ -118,8 +118,8 @@ def in_any_order(viewer: Viewer) -> str:
             if not more:
                 break
             if viewer.where() != BOTH.format(0.4, 0.4):
-                return "it is never shown"
-    return "it is shown in the end"
+                return "the new message is never shown"
+    return "the new message is shown"
 
 
 OWN = [
@@ -128,7 +128,7 @@ OWN = [
          "with call_latest and one key, such as the body's name: a new call replaces a waiting one."),
     Case("then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
          "You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest."),
-    Case("a message that comes while another is drawn", steps(in_any_order),
+    Case("a message that arrives while another is drawn", steps(in_any_order),
          "You probably clear the flag of a waiting call too late, or keep a message in several "
          "parts. Pass the whole message with the call, and leave the rest to call_latest."),
 ]  # fmt: skip

@@ -1,28 +1,28 @@
-"""The exercise `pair`: two messages of one moment.
+"""The exercise `pair`: match two messages from the same moment.
 
-Write the class `Pairs`. It brings together the messages of two topics that belong to the same moment. The viewer calls
-its method `add(stream, message)` with each message on arrival; `stream` is `"joints"` or `"pose"`. When both messages
-with one stamp are there, `add` returns them at once, `joints, pose`. Otherwise it returns `None`.
+Write the class `Pairs`. It matches messages from two topics that belong to the same moment. The viewer calls its method
+`add(stream, message)` with each message on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages with
+the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it returns `None`.
 
-- Either message may come first, and one topic may be ahead of the other. Each topic's messages come in the order of
+- Either message can arrive first, and one topic can be ahead of the other. Each topic's messages arrive in the order of
   their stamps.
-- When a pair is complete, everything that came before its first message is past: drop it, for its partner would come
-  too late. Everything that came after that message may still find its partner.
+- When a pair is complete, drop all messages that arrived before its first message: their partners would be too late.
+  Messages that arrived after that one can still find their partners.
 - At most 50 messages wait. Count each topic by itself or both together, as you like. If there are more, drop the one
-  that *came* first.
-- A publisher that restarts begins at 0 again. Pair its messages at once, too.
+  that *arrived* first.
+- After a restart of the publisher, the stamps begin at 0 again. Match these messages immediately, too.
 
-Hint 1: When a message comes, you have to find the other topic's message with the same stamp. What do you have to keep,
-and by which key, to find it at once?
+Hint 1: When a message arrives, you have to find the other topic's message with the same stamp. What do you have to
+keep, under which key, to find it directly?
 
-Hint 2: Keep a dict from each stamp to its messages by stream. A dict remembers the order in which its keys came, so the
-first key has waited longest. Drop from there: up to the stamp of a complete pair, or one if more than 50 wait.
+Hint 2: Keep a dict from each stamp to its messages by stream. A dict keeps its keys in insertion order, so the first
+key has waited longest. Drop from there: up to the stamp of a complete pair, or one key if more than 50 wait.
 
 Hint 3: The stamp is message.header.stamp.sec, message.header.stamp.nanosec. together is
 self.waiting.setdefault(stamp, {}), and together[stream] becomes the message. If together has two, delete
-next(iter(self.waiting)) as long as the stamp is in self.waiting, and return both.
+next(iter(self.waiting)) while the stamp is in self.waiting, and return both.
 
-Notice that the order of arrival is enough to know what is past, after a restart, too.
+Notice that the order of arrival is enough to know which messages to drop, even after a restart.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -60,27 +60,27 @@ class Pairs:
 
 MISTAKES = [
     Mistake("you compare the stamps as objects, with `is` or id. "
-            "Every message has its own: compare their sec and nanosec.",
+            "Each message has its own: compare sec and nanosec.",
             replace("message.header.stamp.sec, message.header.stamp.nanosec", "id(message.header.stamp)")),
     Mistake("you compare only sec, or only nanosec: a stamp is both.",
             replace("together =", "stamp = stamp[0]\ntogether =", "stamp = stamp[1]\ntogether =")),
-    Mistake("you drop everything that waits when a pair is complete: "
-            "drop only what came before the pair's first message.",
+    Mistake("you drop all waiting messages when a pair is complete: "
+            "drop only those from before the pair's first message.",
             replace("while stamp in self.waiting:", "self.waiting.clear()\nwhile False:")),
-    Mistake("you keep what came before a pair. It is past: drop it, even if its partner still comes.",
+    Mistake("you keep messages from before a pair. Drop them, even if their partners still arrive.",
             replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
-    Mistake("you take two messages of one topic for a pair: a pair has one of each topic.",
+    Mistake("you return two messages of one topic as a pair: a pair has one of each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
-    Mistake("you drop a message too early, though 50 may wait: look for "
-            "the partner first, then drop one if there are more than 50.",
+    Mistake("you drop a message too early. Look for the partner "
+            "first, then drop one if more than 50 messages wait.",
             replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
 ]  # fmt: skip
-MEANING = ("Compare your steps with these: a message waits by its stamp until "
-           "the other topic's message with the same stamp comes, whichever is "
-           "first. Then take both out, and return them as joints, pose.")  # fmt: skip
-NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
-AT_ONCE = "Return a pair when its second message comes, and only once."
+MEANING = ("Compare your steps with these: a message waits until the other "
+           "topic's message with the same stamp arrives, whichever is first. "
+           "Then remove both, and return them as joints, pose.")  # fmt: skip
+NO_PAIR = "Return the two messages themselves, joints, pose, or None while one of them is missing."
+AT_ONCE = "Return a pair when its second message arrives, and only once."
 
 JOINTS, POSE = "joints", "pose"
 Arrival = tuple[str, int]  # the stream and the stamp [ns]
@@ -89,17 +89,17 @@ TODAY = 1_750_000_000 * S
 
 
 def joints(*stamps: int) -> list[Arrival]:
-    """Return the arrival of joint states with these stamps [ms]."""
+    """Return the arrivals of joint states with these stamps [ms]."""
     return [(JOINTS, stamp * MS) for stamp in stamps]
 
 
 def poses(*stamps: int) -> list[Arrival]:
-    """Return the arrival of poses with these stamps [ms]."""
+    """Return the arrivals of poses with these stamps [ms]."""
     return [(POSE, stamp * MS) for stamp in stamps]
 
 
 def in_turn(*stamps: int) -> list[Arrival]:
-    """Return the arrival of joint states and then the pose with each of these stamps [ms]."""
+    """Return the arrivals of joint states and a pose for each of these stamps [ms], in turn."""
     return [arrival for stamp in stamps for arrival in (*joints(stamp), *poses(stamp))]
 
 
@@ -113,10 +113,10 @@ def message_of(stream: str, stamp: int) -> Any:
 def add(
     trial: Trial, pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]
 ) -> list[Arrival] | None:
-    """Add a message, and return the pair that the answer returns, by the arrivals of its messages.
+    """Add a message, and return the arrivals of the answer's pair, or None if there is no pair.
 
     Raises:
-        Failure: the answer raised, or returned something else than a pair with this message or None.
+        Failure: the answer raised an exception, or returned neither None nor a pair with this message.
     """
     with trial.calling("add"):
         returned = pairs.add(stream, message)
@@ -132,11 +132,11 @@ def add(
 
 
 def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
-    """Make a case that observes what is returned for one message after the other.
+    """Make a case that observes the result for each message, in order.
 
     Args:
         arrivals: the messages in the order of their arrival.
-        objects: the number of objects that get the messages in turns.
+        objects: the number of objects that receive the messages in turn.
     """
 
     def case(trial: Trial) -> list[Any]:
@@ -147,40 +147,40 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
     return case
 
 
-STILL_WAITING = ("You probably keep only one message of a topic, or refuse "
-                 "smaller stamps: what came after a pair still waits.")  # fmt: skip
-NANOSECONDS = ("You probably round the stamps, as floats do, or take "
-               "nearly equal ones for equal: every nanosecond counts.")  # fmt: skip
-PAST = ("You probably drop too little or too much: a complete pair "
-        "drops what came before its first message, of both topics.")  # fmt: skip
-NEW_START = "You probably ask which stamp is larger. After a restart they begin at 0: go by the order of arrival."
+STILL_WAITING = ("You probably keep only one message per topic, or refuse "
+                 "smaller stamps: messages from after a pair still wait.")  # fmt: skip
+NANOSECONDS = ("You probably round the stamps, as floats do, or treat "
+               "nearly equal ones as equal: every nanosecond counts.")  # fmt: skip
+PAST = ("You probably drop too few or too many messages: a complete pair "
+        "drops those from before its first message, of both topics.")  # fmt: skip
+NEW_START = "You probably test which stamp is larger. After a restart they begin at 0: use the order of arrival."
 FIFTY = ("You probably let fewer or more than 50 messages wait, or drop "
-         "the wrong ones: of more than 50, drop the one that came first.")  # fmt: skip
+         "the wrong one: drop the one that arrived first.")  # fmt: skip
 CASES = [
     Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),
-         "You probably keep what waits on the class, or in the default of an argument: make it in __init__."),
+         "You probably keep messages on the class, or in the default of an argument: keep them on self."),
     Case("in turn", tried(*in_turn(20, 40, 60))),
     Case("the pose first", tried(*poses(20), *joints(20), *poses(40), *joints(40)),
-         "You probably expect the joint states first: either message "
-         "may come first. Always return joints, pose, in this order."),
+         "You probably expect the joint states first: either message can "
+         "arrive first. Always return joints, pose, in this order."),
     Case("three joint states, then their poses", tried(*joints(20, 40, 60), *poses(20, 40, 60)), STILL_WAITING),
     Case("three poses, then their joint states", tried(*poses(20, 40, 60), *joints(20, 40, 60)), STILL_WAITING),
     Case("a pose is missing", tried(*in_turn(20), *joints(40), *in_turn(60))),
     Case("joints are missing", tried(*in_turn(20), *poses(40, 60), *joints(60))),
-    Case("equal nanosec, another second", tried(*joints(1020), *poses(2020), *joints(2020)),
+    Case("equal nanosec, different sec", tried(*joints(1020), *poses(2020), *joints(2020)),
          "You probably compare only nanosec: a stamp is sec and nanosec."),
     Case("a nanosecond apart", tried((JOINTS, 20 * MS), (POSE, 20 * MS + 1), (JOINTS, 20 * MS + 1)), NANOSECONDS),
     Case("a nanosecond apart, on today's date", tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
          NANOSECONDS),
     Case("the same digits", tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
          "You probably join sec and nanosec as text, without leading zeros: compare the two numbers."),
-    Case("a partner that comes too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
+    Case("a partner that is too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
          PAST),
-    Case("poses that come too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),
-    Case("joints that come too late", tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)), PAST),
+    Case("poses that are too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),
+    Case("joints that are too late", tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)), PAST),
     Case("a late pose, poses first", tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)), PAST),
     Case("late joints, poses first", tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)), PAST),
-    Case("a pose that comes twice", tried(*in_turn(20), *poses(20), *in_turn(40))),
+    Case("a repeated pose", tried(*in_turn(20), *poses(20), *in_turn(40))),
     Case("the same joints twice, then their pose", tried(*joints(20, 20), *poses(20))),
     Case("a restart from 0", tried(*in_turn(5000, 5020, 0, 20)), NEW_START),
     Case("joints from before a restart", tried(*joints(5000), *in_turn(0, 20), *poses(5000)), NEW_START),
@@ -197,14 +197,14 @@ CASES = [
 
 
 def say(returned: Sequence[Any]) -> str:
-    """List the pairs by their stamps; of many, the first and the last."""
+    """List the pairs' stamps; if there are many, only the first and the last."""
     pairs = [_name(*pair) for pair in returned if pair]
     count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 4 else f"{pairs[0]} to {pairs[-1]}"
     return f"{count} pair{'s' * (count != 1)}: {shown}" if pairs else "no pair"
 
 
 def _name(one: Arrival, other: Arrival) -> str:
-    """Name a pair by its stamp, or by both streams and stamps if it isn't one."""
+    """Name a pair by its stamp, or a wrong pair by both streams and stamps."""
     if (one[0], other[0]) == (JOINTS, POSE) and one[1] == other[1]:
         return _time(one[1])
     return " with ".join(f"{stream} of {_time(stamp)}" for stream, stamp in (one, other))

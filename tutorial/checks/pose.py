@@ -1,4 +1,4 @@
-"""The exercises of step 7: from one frame to the next, and two messages of one moment."""
+"""Exercises of step 7: transform a point from frame to frame, and match messages from the same moment."""
 
 from tutorial.checks.pair import pair
 from tutorial.checks.where import where

@@ -94,7 +94,7 @@ class Overview:
         return f"<p>{bar} {'<br>'.join(map(escape, self._last_lines))}</p><table>{rows}</table>"
 
     def _row(self, notebook: str, names: Sequence[str]) -> str:
-        """Write one notebook's row: a link to it, and its exercises."""
+        """Return one notebook's row: a link to the notebook, and its exercises."""
         link = f'<a href="{escape(notebook)}.ipynb">{escape(notebook)}</a>'
         cell = '<td style="text-align: left">'
         return f"<tr>{cell}{link}</td>{cell}{' &nbsp; '.join(map(self._exercise, names))}</td></tr>"

@@ -1,21 +1,21 @@
-"""The exercise `publish`: publish joint states at another rate.
+"""The exercise `publish`: publish joint states at a different rate.
 
 Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body. For the body `Tank`
-that is `Tank/turret`, without a slash in front, so the topic is in the node's namespace.
+that is `Tank/turret`, without a leading slash, so the topic is in the node's namespace.
 
 - It publishes 25 times per simulated second: one message every `round(1 / (25 * io.time_step))` steps. You may also
-  publish at the steps nearest to the multiples of 1/25 s, so that the rate is exact on average. The first message comes
-  within 1/25 s after the start.
+  publish at the steps nearest to the multiples of 1/25 s, so that the rate is exact on average. Publish the first
+  message within 1/25 s after the start.
 - It publishes each message even if nothing has changed.
 - Each message names all joints of the body, `io.body.joints`, in this order, with position, velocity and effort.
-- Its stamp is the simulated time at which it is published.
+- The stamp is the simulated time of publishing.
 - It works on any body, and with any time step up to 10 ms.
-- The simulation may be stopped and started again. Then `initialize` is called again, and `io.step` and `io.time_ns` go
-  on: step 0 doesn't come again.
+- The simulation can be stopped and started again. Then `initialize` is called again, and `io.step` and `io.time_ns`
+  continue: they don't start at 0 again.
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
-Hint 1: Where does each thing come from? The topic from config.body.name, the joints from io.body.joints, the rate from
-io.step and io.time_step, the stamp from io.time_ns. You need no wall clock, and you hard-code no joint's name.
+Hint 1: Where does each value come from? The topic from config.body.name, the joints from io.body.joints, the rate from
+io.step and io.time_step, the stamp from io.time_ns. You need no wall clock, and no hard-coded joint names.
 
 Hint 2: Create the publisher in configure. In initialize keep io, and compute the number of steps from one message to
 the next. In control, when a message is due, create one, fill a list for each field from the same joints, stamp it and
@@ -49,7 +49,7 @@ class SlowPublisher(SimpleController):
     """Publish position, velocity and effort of every joint at 25 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Create the publisher; the topic has the body's name in it."""
+        """Create the publisher, on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
 
@@ -86,7 +86,7 @@ UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 
 def moving(trial: Trial, speed: int = 1, **options: Any) -> Rig:
-    """Make a rig whose joints move, each differently, so that no two numbers are equal; or rest, with ``speed`` 0."""
+    """Make a rig whose joints all move differently, so no two numbers are equal; with ``speed`` 0, they rest."""
 
     def move() -> None:
         data = rig.body.data
@@ -105,7 +105,7 @@ def names(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def numbers(_rig: Rig, sent: list[Sent], field: str) -> dict[str, list[Any]]:
-    """Observe the numbers of a field, divided by the number of the step."""
+    """Observe the numbers of a field, divided by the step number."""
     seen = [[number / (each.step + 1) for number in getattr(each.message, field)] for each in sent]
     text = ", ".join(f"{number:.4f}" for number in seen[-1]) or "no number"
     changed = [now for before, now in pairwise([[], *seen]) if not same(before, now)]
@@ -128,15 +128,15 @@ CASES = [
          "Each message has [joint.name for joint in self.joints]."),
     Case("position", PUBLISHING.sent(0.2, partial(numbers, field="position")),
          "You probably leave out position, round or convert it, mix up the joints, or send old "
-         "values. Read all again for each message: [joint.position for joint in self.joints]."),
+         "values. Read all values for each message: [joint.position for joint in self.joints]."),
     Case("velocity", PUBLISHING.sent(0.2, partial(numbers, field="velocity")),
          "You probably leave out velocity, compute it yourself, mix up the joints, or send old "
-         "values. Read all again for each message: [joint.velocity for joint in self.joints]."),
+         "values. Read all values for each message: [joint.velocity for joint in self.joints]."),
     Case("effort", PUBLISHING.sent(0.2, partial(numbers, field="effort")),
          "You probably leave out effort, mix up the joints, or send old values. "
-         "Read all again for each message: [joint.effort for joint in self.joints]."),
-    Case("while nothing moves", at_rest, "You probably publish only what has changed. Publish each "
-         "message, even if it says the same as the one before."),
+         "Read all values for each message: [joint.effort for joint in self.joints]."),
+    Case("while nothing moves", at_rest, "You probably publish only changes. Publish every "
+         "message, even if it equals the previous one."),
     Case("on the crane Lift", PUBLISHING.sent(0.2, model="crane", name="Lift")),
 ]  # fmt: skip
 publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, CASES, MISTAKES, MEANING))

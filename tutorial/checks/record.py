@@ -3,19 +3,19 @@
 Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
 - `write` runs on the recorder's thread. It takes one entry after the other from the queue, a time [ns] and a payload,
-  and writes it at once and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. An entry whose payload
-  or time equals an earlier one is written, too: a message that says the same is still a message.
-  `self.received.get()` waits for an entry. `None` ends the thread.
-- `unconfigure` ends all that `configure` has begun. Afterwards, every message that has come is in the bag, and nothing
-  writes into it after `self.bag.close()`. `self.writer.join()` waits for the thread's end.
-- You may extend `configure`, too. Then call `super().configure(config)` in it. That starts the thread, so set before
-  what `write` needs.
+  and writes it immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an entry
+  even if its payload or time equals an earlier one: a repeated message is still a message. `self.received.get()` waits
+  for an entry. `None` ends the thread.
+- `unconfigure` ends everything that `configure` has started. Afterwards, every received message is in the bag, and
+  nothing writes into it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
+- You may extend `configure`, too. Then call `super().configure(config)` in it. This starts the thread, so first set
+  everything that `write` needs.
 
-Hint 1: Go through unconfigure line by line. After each line: may a message still come, does one still wait in the
-queue, may the thread still write?
+Hint 1: Go through unconfigure line by line. After each line: can a message still arrive, does one still wait in the
+queue, can the thread still write?
 
-Hint 2: First stop listening, so that nothing more comes. Then put a last entry that ends the thread, wait for the
-thread's end, and only then close the bag. In write, a loop takes one entry after the other, until None.
+Hint 2: First stop listening, so nothing more arrives. Then put a last entry that ends the thread, wait until it has
+ended, and only then close the bag. In write, a loop takes one entry after the other, until None.
 
 Hint 3: while received := self.received.get(): self.bag.write(self.connection, *received). And unconfigure has four
 lines: self.node.destroy_subscription(self.subscription), self.received.put(None), self.writer.join() and
@@ -43,14 +43,14 @@ from tutorial.controller import SimpleController
 
 
 class QueueRecorder(SimpleController):
-    """Stand for the notebook's class of this name, whose `configure` makes what `Surroundings` makes here."""
+    """Replace the notebook's class of this name. `Surroundings` does the work of its `configure`."""
 
 
 class MyRecorder(QueueRecorder):
-    """Write the queue's entries on a thread of its own."""
+    """Write the queue's entries on a separate thread."""
 
     def write(self: Any) -> None:
-        """Write one entry after the other, until None comes."""
+        """Write one entry after the other, until None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 
@@ -63,14 +63,14 @@ class MyRecorder(QueueRecorder):
 
 
 MISTAKES = [
-    Mistake("you close the bag while the thread may still write: call self.writer.join() before, without a timeout.",
+    Mistake("you close the bag while the thread can still write: call self.writer.join() first, without a timeout.",
             replace("self.writer.join()", "pass", "self.bag.close()\nself.writer.join()")),
-    Mistake("you call get twice for one entry, and each call takes "
-            "one out: call it once, keep the entry, and write that.",
+    Mistake("you call get twice for one entry, and each call removes "
+            "one: call it once, keep the entry, and write it.",
             both(replace("received := self.received.get()", "self.received.get()"),
                  replace("*received)", "*self.received.get())"))),
     Mistake("you end the thread when the queue is empty, as with `while "
-            "not empty()` or get(timeout=...): let get() wait for more.",
+            "not empty()` or get(timeout=...): wait for more with get().",
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
     Mistake("you keep the messages until the end, and lose them if the "
@@ -79,25 +79,25 @@ MISTAKES = [
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
            "Only the thread takes entries and writes, and only None ends it.")  # fmt: skip
-NEVER = "You probably put None after join, or not at all: put it before, so that the thread ends."
-PAST_NONE = "You probably go on after None: leave the loop when you take it."
-STOLEN = "You probably take None out of the queue outside of the thread: only write, on the thread, calls get."
+NEVER = "You probably put None after join, or not at all: put it before join, so the thread ends."
+PAST_NONE = "You probably continue after None: leave the loop when you take it."
+STOLEN = "You probably take None out of the queue outside of the thread: call get only in write, on the thread."
 BUSY = "That keeps the processor busy: self.received.get() waits for an entry, and self.writer.join() for the thread."
 THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
 NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
-TOO_EARLY = "super().configure(config) starts the thread: set what write needs before that line."
-OFTEN = 100  # times that an answer may ask whether the queue is empty
+TOO_EARLY = "super().configure(config) starts the thread: set everything that write needs before that line."
+OFTEN = 100  # the limit for consecutive calls of empty()
 
 
 class Surroundings:
     """A recorder's queue, node, thread and bag. The disk takes a second for the first message.
 
-    The thread therefore pauses there, or when the queue is empty, until something waits for its end.
+    So the thread pauses there, or when the queue is empty, until something waits for its end.
 
     Args:
         trial: the trial of the learner's recorder.
         waiting: the entries in the queue.
-        coming: entries that come one by one when the queue is empty, or all at once when the recorder stops listening.
+        coming: entries that arrive one by one while the queue is empty, or together when the recorder stops listening.
     """
 
     def __init__(self, trial: Trial, waiting: Sequence[Any], coming: Sequence[Any]) -> None:
@@ -116,12 +116,12 @@ class Surroundings:
         self.node.get_logger = partial(get_logger, "tank")
 
     def configure(self) -> None:
-        """Call the learner's own `configure`, with `begin` in place of the notebook's.
+        """Call the learner's `configure`, with `begin` instead of the notebook's.
 
-        The notebook's is the first in the order of inheritance that calls no other; so is a learner's copy of it.
+        The notebook's `configure`, or a learner's copy of it, is the first one in the MRO that calls no other.
 
         Raises:
-            Failure: it raised, has not called the notebook's, or starts a thread that is not ready.
+            Failure: the method raised an exception, did not call the notebook's, or started the thread too early.
         """
         kinds = [each for each in type(self.recorder).__mro__ if "configure" in vars(each)]
         base = next((each for each in kinds if not _calls_configure(vars(each)["configure"])), SimpleController)
@@ -135,7 +135,7 @@ class Surroundings:
             raise Failure("write", Misuse(text, TOO_EARLY), self.failure.place)
 
     def begin(self, *_: object) -> None:
-        """Make what the notebook's `configure` makes. The thread runs until it pauses for the first time."""
+        """Do the work of the notebook's `configure`. The thread runs until its first pause."""
         recorder = self.recorder
         recorder.connection, recorder.subscription = "connection", Namespace(destroy=lambda: None)
         recorder.received = Namespace(get=self.get, put=self.entries.append, empty=self.empty)
@@ -157,7 +157,7 @@ class Surroundings:
         self.begun.put(None)
 
     def rest(self) -> None:
-        """Let the thread pause, the first time, until something waits for its end."""
+        """Pause the thread, the first time, until something waits for its end."""
         if self.rests:
             self.begun.put(None)
             self.turn.get()
@@ -175,7 +175,7 @@ class Surroundings:
         if not self.entries:
             is_stolen = self.ended_by not in (None, self.thread)
             cause = STOLEN if is_stolen else PAST_NONE if self.ended_by else NEVER
-            raise Misuse("it waits for an entry that never comes", cause)
+            raise Misuse("it waits for an entry that never arrives", cause)
         self.taken += 1
         entry = self.entries.pop(0)
         if entry is None:
@@ -186,7 +186,7 @@ class Surroundings:
         """Return whether the queue is empty."""
         self.asked += 1
         if self.asked > OFTEN:
-            raise Misuse("it asks over and over whether the queue is empty", BUSY)
+            raise Misuse("it checks over and over whether the queue is empty", BUSY)
         return not self.entries
 
     def destroy(self, subscription: Any) -> None:
@@ -211,7 +211,7 @@ class Surroundings:
 
     def write(self, connection: str, timestamp: int, data: bytes) -> None:
         """Write into the bag."""
-        odd = " (to another connection)" * (connection != self.recorder.connection) + " (too late)" * (not self.is_open)
+        odd = " (wrong connection)" * (connection != self.recorder.connection) + " (too late)" * (not self.is_open)
         beside = " (outside of the thread)" * (current_thread() is not self.thread and self.thread.is_alive())
         self.written.append(f"{data!r} at {timestamp!r} ns{odd}{beside}")
         self.rest()
@@ -232,9 +232,9 @@ def _calls_configure(function: Any) -> bool:
 
 
 def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
-    """Make a case that observes what is written, and what is left of a recorder after `unconfigure`.
+    """Make a case that observes the written entries, and what a recorder leaves behind after `unconfigure`.
 
-    If the thread takes None by itself, `unconfigure` is not called.
+    If `coming` contains None, which ends the thread, `unconfigure` is not called.
 
     Args:
         waiting, coming: as for `Surroundings`.
@@ -263,13 +263,13 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
 
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 CASES = [
-    Case("messages come one by one", tried(coming=[A, B, None]),
+    Case("messages arrive one by one", tried(coming=[A, B, None]),
          "You probably don't end at None, or change an entry: take one, leave the loop if it is None, "
          "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
     Case("three messages wait in the queue", tried(A, B, C)),
     Case("equal messages wait in the queue", tried(A, B, B, (9, b"A")),
-         "You probably leave out a message that says the same as an earlier "
-         "one. It is still a message: write every entry."),
-    Case("a message comes while it stops listening", tried(A, coming=[B])),
+         "You probably leave out a message that equals an earlier one. "
+         "Write every entry: a repeated message is still a message."),
+    Case("a message arrives while it stops listening", tried(A, coming=[B])),
 ]  # fmt: skip
 record = Exercise("record", __doc__, Cases(MyRecorder, CASES, MISTAKES, MEANING), ("write", "unconfigure"))

@@ -1,22 +1,22 @@
-"""The exercise `show`: a displayed body moves as messages say. `keep_up` has the same requirements and more.
+"""The exercise `show`: show joint states on a displayed body. `keep_up` has the same requirements and more.
 
 Write the controller `MyViewer`. It subscribes to the topic `joint_state` of its body, which for the body `Tank` is
-`Tank/joint_state` (type `JointState`), and shows on the displayed body what it receives. The node has no namespace, so
-the topic may also begin with a slash.
+`Tank/joint_state` (type `JointState`), and shows the received states on the displayed body. The node has no
+namespace, so the topic can also begin with a slash.
 
 - The displayed body belongs to the main thread. The callback only posts, with `config.call_later`, and returns.
 - The posted call matches by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and notifies
   (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
-- It shows every message, also one that is equal to the one before, and those with smaller stamps after a restart of the
+- It shows every message, even if it equals the previous one, and even if its stamp is smaller after a restart of the
   publisher. It may drop a message that is only late, as `JointMatcher` does.
 - It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys its subscription.
 
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
-thread: code that moves the body may run only there.
+thread: code that moves the body must run there.
 
 Hint 2: In configure keep config.body, config.node and config.call_later. Subscribe last, to a topic made from the
-body's name: the callback may run at once. The callback has one line, which posts a method together with the message.
-That method matches, sets the positions, computes the kinematics and notifies, in this order.
+body's name: the callback can run immediately. The callback has one line, which posts a method together with the
+message. That method matches, sets the positions, computes the kinematics and notifies, in this order.
 
 Hint 3: The callback is self.call_later(self.update, message), without parentheses after update. In update: positions,
 report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and
@@ -37,7 +37,7 @@ from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-TRIES = 12  # messages that differ; the last one comes once more
+TRIES = 12  # different messages; the last one is repeated
 
 
 class MyViewer(SimpleController):
@@ -56,7 +56,7 @@ class MyViewer(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: JointState) -> None:
-        """Move the body's joints to where the message says."""
+        """Move the body's joints to the message's positions."""
         positions, report = match_joints(self.body.joint_names, message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()
@@ -77,12 +77,12 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def states(*messages: tuple[str, Sequence[float]]) -> Step:
-    """Make a step: messages arrive, each 20 ms later than the one before, and the posted calls run."""
+    """Make a step: messages arrive, each 20 ms after the previous one, and the posted calls run."""
     return heard(*[joint_state(*each, 100_200 + 20 * i) for i, each in enumerate(messages)])
 
 
 def wait_together(viewer: Viewer) -> str:
-    """Observe where the joints are after five messages whose calls wait together."""
+    """Observe the joints after five messages whose calls wait together."""
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()
@@ -91,7 +91,7 @@ def wait_together(viewer: Viewer) -> str:
 
 
 def while_drawn(viewer: Viewer) -> None:
-    """Deliver a message while an earlier one is drawn."""
+    """Prepare to deliver a message while an earlier one is being drawn."""
     late = [joint_state("Y P", (0.22, 0.22), 100_020)]
 
     def observe(_report: object) -> None:
@@ -108,7 +108,7 @@ def its_own(viewer: Viewer) -> None:
 
 
 def repeated(viewer: Viewer) -> str:
-    """Observe what follows a message that is equal to the one before, as a robot at rest sends it."""
+    """Observe the effect of a message that equals the previous one, as from a robot at rest."""
     for _ in range(2):
         viewer.shown.clear()
         heard(joint_state("Y P", (0.1, 0.2)))(viewer)
@@ -122,32 +122,32 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST = [
     Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-         "You probably don't set the positions, or change them on "
-         "the way: self.body.set_joint_positions(positions), in rad."),
-    Case("its joints in another order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
-         "You probably match positions by their place in the message. "
-         "Match them by name, wherever it is, as match_joints does."),
+         "You probably don't set the positions, or change them. "
+         "Call self.body.set_joint_positions(positions), in rad."),
+    Case("its joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
+         "You probably match positions by their index in the message. "
+         "Match them by name, as match_joints does."),
     Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
     Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
          "You probably expect every joint in every message, or leave out positions of 0 or "
-         "below. Set the joints that the message names, and leave the others where they are.", crashes=True),
+         "below. Set the joints that the message names, and leave all others where they are.", crashes=True),
     Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
          "You probably use a name that the body does not have. Leave it "
          "out, and show the other joints, as match_joints does.", crashes=True),
     Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where),
          "You probably set NaN as a position. Leave that joint where it is, as match_joints does."),
     Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where),
-         "You probably use an index beyond the end: there may be fewer "
-         "positions than names. match_joints takes care of that.", crashes=True),
+         "You probably use an index beyond the end: there can be fewer "
+         "positions than names. match_joints handles that.", crashes=True),
     Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
          "You probably drop a message because of its stamp. After a restart of "
-         "the publisher, stamps are smaller, and they may be equal."),
-    Case("an equal message again", steps(repeated), "You probably leave out a message that repeats the positions of "
-         "the one before. Show every message, and notify after it."),
-    Case("a message that comes while the body is drawn",
+         "the publisher, stamps are smaller, and they can be equal."),
+    Case("the same message again", steps(repeated), "You probably leave out a message that repeats the positions of "
+         "the previous one. Show every message, and notify after it."),
+    Case("a message that arrives while the body is drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
          "You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message."),
-    Case("a call that waits when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
+    Case("a call waiting when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
          PAST_THE_QUEUE),
 ]  # fmt: skip
 LAST = [
@@ -159,7 +159,7 @@ SWAPPED = joint_state("P Y", (0.2, 0.1))
 ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
     *FIRST,
-    Case("five messages that wait together", steps(wait_together),
+    Case("five messages whose calls wait together", steps(wait_together),
          "You probably lose messages, or change their order. Post one call "
          "for each message, with call_later, and pass the message along."),
     *LAST,

@@ -1,4 +1,4 @@
-"""Exercises of step 1: hear a button, read axes from anybody, hold a joint where the stick puts it, drive, and stop."""
+"""Exercises of step 1: read a button, read axes from any message, hold a joint, drive, and stop."""
 
 from tutorial.checks.aim import aim
 from tutorial.checks.bound import bound

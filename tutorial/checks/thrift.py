@@ -1,29 +1,29 @@
 """The exercise `thrift`: publish only the joints that have moved.
 
 Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body (for the
-tank `Tank/joint_state`), but only what is new:
+tank `Tank/joint_state`), but only changes:
 
 - 50 times per simulated second, it finds the joints that are more than 0.001 rad (or m) away from the position that it
   last sent for them. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
   multiples of 1/50 s.
 - The message names these joints, with their positions. If there are none, it sends nothing.
 - The first message names all joints, and so does the first one after a restart of the simulation. At a restart,
-  `initialize` is called again, and `io.step` and `io.time_ns` go on: step 0 doesn't come again.
-- The stamp is the simulated time at which the message is sent. Velocity and effort stay empty.
+  `initialize` is called again, and `io.step` and `io.time_ns` continue: they don't start at 0 again.
+- The stamp is the simulated time of sending. Velocity and effort stay empty.
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
 Hint 1: What do you compare each position with? With the one that you last sent for this joint, perhaps long ago; not
-with the one of 20 ms ago. And each joint by itself.
+with the one from 20 ms ago. Compare each joint by itself.
 
 Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at first, so all
-joints are new. When the step is due, collect what is new. Only if there is anything, send it, and store in the dict
+joints are new. In each due step, collect the joints that have moved. If there are any, send them, and store in the dict
 what you have sent.
 
 Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
 0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then
 self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publisher).
 
-Notice that receivers have to match these messages by name: the viewer of step 3 shows them without a change.
+Notice that receivers have to match these messages by name: the viewer of step 3 can show them unchanged.
 """
 
 from collections.abc import Sequence
@@ -44,18 +44,18 @@ class ThriftyPublisher(SimpleController):
     """Publish the positions of the joints that have moved."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Create the publisher; the topic has the body's name in it."""
+        """Create the publisher, on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 10)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Forget what was sent before."""
+        """Forget the sent positions."""
         self.io = io
         self.sent: dict[str, float] = {}
         self.steps_per_look = round(1 / (50 * io.time_step))
 
     def control(self) -> None:
-        """Publish what is new, when the step is due."""
+        """Publish the joints that have moved, if the step is due."""
         if self.io.step % self.steps_per_look == 0:
             positions = {joint.name: joint.position for joint in self.io.body.joints}
             news = {n: q for n, q in positions.items() if n not in self.sent or abs(q - self.sent[n]) > 0.001}
@@ -75,9 +75,9 @@ MISTAKES = [
             "so begin with an empty self.sent, and all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
-    Mistake("you send every joint every time. Name those that have moved, and store what you have sent for them.",
+    Mistake("you send all joints in every message. Name those that have moved, and store what you have sent for them.",
             replace("if n not in self.sent or abs(q - self.sent[n]) > 0.001}", "}")),
-    Mistake("you take a last position of 0 for none, as in `if not last`. Check whether the name is in self.sent.",
+    Mistake("you treat a last position of 0 as missing, as in `if not last`. Check whether the name is in self.sent.",
             replace("n not in self.sent or", "not self.sent.get(n) or")),
     Mistake("you send all joints as soon as one has moved. Name only those that have moved.",
             replace("message =", "news = positions\nmessage =")),
@@ -87,43 +87,43 @@ MISTAKES = [
                     "news = dict([*news.items()][: 1 if self.sent else None])\nif news:")),
     Mistake("you send a message even if no joint has moved. Send nothing then.", replace("if news:", "if True:")),
     Mistake("you compare with the positions of 1/50 s ago, or of the last "
-            "message. Compare with what was last sent for each joint.",
+            "message. Compare with the position last sent for each joint.",
             replace("if news:", "self.sent = positions\nif news:",
                     "self.sent = positions if news else self.sent\nif news:")),
-    Mistake("you ask how fast a joint moves. What counts is how far it "
-            "is from the position that was last sent: abs(a - b) > 0.001.",
+    Mistake("you test how fast a joint moves. Test how far it is "
+            "from the position last sent: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "abs(self.io.body.joint(n).velocity) > 0.001",
                     "abs(self.io.body.joint(n).velocity) > 0.05")),
     Mistake("you compare a position with itself: you update self.sent "
-            "too early, or keep the joint, not the number. Compare first.",
+            "too early, or store the joint, not the number. Compare first.",
             replace("n not in self.sent or abs(q - self.sent[n]) > 0.001", "n not in self.sent")),
-    Mistake("you compare rounded positions. What counts is their distance: abs(a - b) > 0.001.",
+    Mistake("you compare rounded positions. Test their distance: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "round(q, 3) != round(self.sent[n], 3)",
                     "int(q * 1000) != int(self.sent[n] * 1000)")),
     Mistake("you compare without abs, or take abs of each position. "
             "A joint moves in both directions: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
                     "abs(abs(q) - abs(self.sent[n]))")),
-    Mistake("you don't store what you have sent, or forget the other "
-            "joints by self.sent = ... Write self.sent.update(news).",
+    Mistake("you don't store what you have sent, or lose the other "
+            "joints with self.sent = ... Write self.sent.update(news).",
             replace("self.sent.update(news)", "self.sent = news | self.sent", "self.sent = news")),
     Mistake("your threshold is too large. Send a joint as soon as it is more than 0.001 rad (or m) away.",
             replace("> 0.001", "> 0.1", "> 0.01")),
     Mistake(ALL_JOINTS, replace("self.io.body.joints", "self.io.body.joints[:2]",
                                 'map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))')),
 ]  # fmt: skip
-MEANING = ("Compare yours: when io.step % steps_per_look == 0, compare each joint's "
-           "position with what was last sent for it. Each message has new lists: the "
+MEANING = ("Compare your code with this: when io.step % steps_per_look == 0, compare each "
+           "joint's position with the one last sent for it. Each message has new lists: the "
            "names of the joints that have moved, and their positions, nothing else.")  # fmt: skip
 
 LOOK = 0.02  # [s]
-Move = tuple[float, float, float]  # [m, rad, rad] of the crane's joints
+Move = tuple[float, float, float]  # the moves of the crane's joints [m, rad, rad]
 REST: Move = (0.0, 0.0, 0.0)
 SLEW: Move = (0.0, 0.05, 0.0)
 
 
 def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
-    """Make a rig whose joints jump between looks, from the second one on; without moves, they turn at every step."""
+    """Make a rig whose joints jump once per period, from the second one on; without moves, they turn in every step."""
 
     def move() -> None:
         look, rest = divmod(rig.io.step, round(LOOK / rig.io.time_step))
@@ -138,7 +138,7 @@ def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe which joints are named in which period of 1/50 s; the first two looks count as one."""
+    """Observe which joints are named in which period of 1/50 s; the first two periods count as one."""
     steps = round(LOOK / rig.io.time_step)
     found = [f"{named(each.message)} in period {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}
@@ -161,7 +161,7 @@ PUBLISHING = Publishing(JointState, "joint_state", 50, moving, looks, namespaces
 
 
 def moved(*moves: Move, look: Any = None, **options: Any) -> Run:
-    """Observe what is sent of a crane that moves."""
+    """Observe the messages about a moving crane."""
     return PUBLISHING.sent(LOOK * (len(moves) + 2), look, ms=1, moves=moves, **{"model": "crane", **options})
 
 
@@ -181,7 +181,7 @@ CASES = [
     Case("the joints of the tank", moved(SLEW, model="tank"), f"Most likely {ALL_JOINTS}"),
     Case("two robots in turns", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
     Case("after a restart", lambda trial: PUBLISHING.restarted(trial, moves=(REST,), model="crane"),
-         "You probably keep self.sent from the run before, or wait for "
+         "You probably keep self.sent from the previous run, or wait for "
          "step 0. Create self.sent in initialize, which runs again."),
 ]  # fmt: skip
 thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, CASES, MISTAKES, MEANING))

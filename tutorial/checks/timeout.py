@@ -1,19 +1,19 @@
 """The exercise `timeout`: recognise a command that is too old.
 
-Write the class `CommandTimeout`. In every step its method `fresh(message, seconds)` is called once, with the newest
-message and the simulated time [s]. It returns `True` if this message came at most 0.5 s ago, else `False`.
+Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called once per step, with the newest message
+and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.
 
-- A message comes in the call that passes another object than the call before (`is not`), even if its axes are the same:
-  a held stick sends them again and again. In the first call the message is new.
-- Only `seconds` counts. A step may take any time, the message's stamp may be empty, and the computer's clock knows
-  nothing of simulated time.
-- A message that comes after an old one is fresh again.
+- A message arrives in the call that passes a different object than the previous call (`is not`), even if its axes are
+  the same: a held stick sends them again and again. In the first call, the message is new.
+- Use only `seconds`. A step can take any time, the message's stamp can be empty, and the computer's clock knows nothing
+  of simulated time.
+- A message that arrives after an old one is fresh again.
 
-Hint 1: A call tells you the message and the time. What do you have to keep from the calls before, to see whether the
+Hint 1: A call gives you the message and the time. What do you have to keep from earlier calls, to see whether the
 message is new, and how old it is?
 
-Hint 2: Keep the newest message, and the time at which it came. Compare the messages with `is not`, because `!=`
-compares their contents.
+Hint 2: Keep the newest message, and the time of its arrival. Compare the messages with `is not`, because `!=` compares
+their contents.
 
 Hint 3: if message is not self.message, set self.message, self.since = message, seconds. Then return whether seconds -
 self.since is at most 0.5.
@@ -34,13 +34,13 @@ from tutorial.checks.exercise import Exercise
 
 
 class CommandTimeout:
-    """Tell whether the newest command is fresh."""
+    """Decide whether the newest command is fresh."""
 
     def __init__(self) -> None:
         self.message: Joy | None = None
 
     def fresh(self, message: Joy, seconds: float) -> bool:
-        """Return whether the newest message came at most 0.5 s ago."""
+        """Return whether the newest message arrived at most 0.5 s ago."""
         if message is not self.message:
             self.message = message
             self.since = seconds
@@ -49,47 +49,47 @@ class CommandTimeout:
 
 MISTAKES = [
     Mistake("you set self.since too often, or your limit isn't 0.5 s. "
-            "Set it only if message is not self.message; keep no copy.",
+            "Set it only if message is not self.message; don't keep a copy.",
             replace("return seconds - self.since <= 0.5", "return True")),
-    Mistake("you count calls. A step may take any time: subtract seconds, seconds - self.since.",
+    Mistake("you count calls. A step can take any time: subtract seconds, seconds - self.since.",
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
-    Mistake("you subtract the message's stamp, which may be empty. "
+    Mistake("you subtract the message's stamp, which can be empty. "
             "Keep the seconds of the call in which the message is new.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
-    Mistake("you compare what the messages hold. A held stick sends "
+    Mistake("you compare the messages' contents. A held stick sends "
             "equal messages: compare the objects, with `is not`.",
             replace("message is not self.message", "message != self.message",
                     'message.axes != getattr(self.message, "axes", None)')),
     Mistake("you keep the time of the first message only. Set self.since for every new message.",
             replace("if message is not self.message:", "if self.message is None:")),
-    Mistake("once a message is too old, all later ones are, too. Each new message is fresh again.",
+    Mistake("after one message is too old, you reject all later ones, too. Each new message is fresh again.",
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
-    Mistake("you compute the age with whole seconds. Don't round: seconds - self.since.",
+    Mistake("you compute the age in whole seconds. Don't round: seconds - self.since.",
             replace("return seconds - self.since", "return int(seconds - self.since)",
                     "return int(seconds) - int(self.since)")),
 ]  # fmt: skip
-MEANING = "You probably compute a wrong age. In every call it is seconds - self.since, not rounded, and at most 0.5."
+MEANING = "You probably compute a wrong age. In every call, test whether seconds - self.since, not rounded, is <= 0.5."
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
 def tried(calls: str, objects: int = 1) -> Run:
-    """Observe what is returned in calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
+    """Observe the results of calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
 
     Args:
-        calls: each letter is one message. ``a`` is another object than ``A``, but equal. ``C`` has a stamp, of 6 s, and
-            no axes. ``N`` is a new message in each call, which nobody else keeps.
-        objects: how many objects take turns in being called.
+        calls: each letter is one message. ``a`` equals ``A``, but is a different object. ``C`` has a stamp of 6 s, and
+            no axes. ``N`` is a new message in each call, which nothing else refers to.
+        objects: the number of objects that are called in turn.
     """
 
     def case(trial: Trial) -> list[bool]:
         messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
         messages["C"].header.stamp.sec, messages["C"].axes = 6, []
         turns = cycle([trial.call(trial.answer) for _ in range(objects)])
-        each_call = [*map(str.split, calls.split(","))]  # split first, so that nothing gets N's place in memory
+        each_call = [*map(str.split, calls.split(","))]  # split first, so no new string takes N's place in memory
         return [fresh(trial, next(turns), messages.get(each) or Joy(), float(at)) for each, at in each_call]
 
     return case
@@ -107,32 +107,32 @@ def fresh(trial: Trial, timeout: Any, message: Joy, seconds: float) -> bool:
 NEW = ", ".join(f"N {i / 4}" for i in range(40))
 OFTEN = ", ".join(f"A {i / 4096}" for i in range(1000))
 A_AT_3 = ("You probably miss a new message. Set self.since whenever "
-          "the message is another object than in the call before.")  # fmt: skip
+          "the message is a different object than in the previous call.")  # fmt: skip
 CASES = [
     Case("one message, at 0, 0.25, 0.5 and 0.75 s", tried("A 0, A 0.25, A 0.5, A 0.75"),
          "You probably don't set self.since exactly when the message "
-         "is new. The first one is new, and 0 is a time like any other."),
+         "is new. The first one is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
          "You probably don't set self.since in the first call. "
          "Keep the seconds of the call in which the message is new."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a held stick, an equal message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
-         "You probably compare what the messages hold, or look for the message "
+         "You probably compare the messages' contents, or look for the message "
          "among all earlier ones. Compare with the last one, by `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
-    Case("40 new messages, each after the one before is deleted", lambda trial: [all(tried(NEW)(trial))],
-         "You probably keep id(message), and a later message may get "
-         "the same one. Keep the message itself, and use `is not`."),
+    Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
+         "You probably keep id(message), and a later message can get "
+         "the same id. Keep the message itself, and use `is not`."),
     Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],
-         "You probably count calls. A step may take any time: subtract seconds, seconds - self.since."),
+         "You probably count calls. A step can take any time: subtract seconds, seconds - self.since."),
     Case("two robots in turns, message A at 0 s, B at 0.25 s, A and B at 0.75 s",
          tried("A 0, B 0.25, A 0.75, B 0.75", objects=2)),
 ]  # fmt: skip
 
 
 def say(seen: list[bool]) -> str:
-    """Put what was returned into words."""
+    """List the results."""
     return ", ".join(map(str, seen))
 
 

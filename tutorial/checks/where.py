@@ -1,24 +1,24 @@
-"""The exercise `where`: from one frame to the next.
+"""The exercise `where`: transform a point from frame to frame.
 
-Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m], as seen from the outermost
-frame. Three numbers in a list, a tuple or an array will do. They may be off by 0.1 mm at most, so don't round.
+Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m] in the outermost frame, as a
+list, a tuple or an array of three numbers. Their error must be at most 0.1 mm, so don't round.
 
 - `transforms` is a list of `TransformStamped`, from the outermost to the innermost: the parent of the first one is the
   outermost frame, and the child of each is the parent of the next.
 - `point` is x, y and z in the child of the last transform: a tuple, a list or an array, of ints or floats. If the list
   is empty, return the point unchanged.
-- Any number of transforms and any rotation must work. Don't change the list, the messages or the point.
+- It works with any number of transforms and any rotation. Don't change the list, the messages or the point.
 
 Hint 1: Which frame is the point in? Only the last transform knows that frame. Where is the point after this transform,
 and which frame is it in then?
 
 Hint 2: Go through the transforms from the last to the first. Each one turns the point by its rotation, with turned,
-and then adds its translation. The transform before it takes the result.
+and then adds its translation. The previous transform takes the result.
 
 Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
 turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). After the loop, return the point.
 
-Notice that your function goes from frame to frame, however many there are. tf2 does the same.
+Notice that your function goes from frame to frame, for any number of frames. tf2 does the same.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -42,7 +42,7 @@ def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
 
 
 def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayLike:
-    """Return a point of the innermost frame as seen from the outermost one [m]."""
+    """Transform a point [m] from the innermost to the outermost frame."""
     for stamped in reversed(transforms):
         t = stamped.transform.translation
         point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])
@@ -50,30 +50,30 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
 
 
 MISTAKES = [
-    Mistake("you use only the last transform or only the first, or you leave one of these out. Use each of them.",
+    Mistake("you use only the last transform or only the first, or you leave one of them out. Use all transforms.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
-    Mistake("you multiply the rotations in the wrong order: the outer one stands on the left, outer * inner.",
+    Mistake("you multiply the rotations in the wrong order: the outer one is on the left, outer * inner.",
             both(replace("reversed(transforms):", "transforms:"),
                  replace("for stamped", "place, rotations = np.zeros(3), []\nfor stamped"),
                  replace("point = turned(stamped.transform.rotation, point) + np.array(",
                          "place = place + in_order(rotations,"),
                  replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\nrotations.append(stamped.transform.rotation)"),
                  replace("return point", "return place + in_order(rotations, point)"))),
-    Mistake("you go the wrong way, from the parent into the child: turn by the rotation, then add the translation.",
+    Mistake("you go the wrong way, from the parent to the child: turn by the rotation, then add the translation.",
             both(replace("turned(stamped.transform.rotation, point) + np.array(",
                          "turned(stamped.transform.rotation, np.array(point) -"),
                  replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
     Mistake("you divide by the length of the axis, or by a sine. Both "
-            "are 0 where nothing is turned: use turned(q, point).",
+            "are 0 without a rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
-    Mistake("you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.",
+    Mistake("you round the numbers. Three digits lose up to half a millimetre: return the numbers unrounded.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
                     "[t.x, t.y, t.z])\npoint = np.round(point, 2)")
             + replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",
                       "return np.round(point, 1)")),
-    Mistake("you return nothing if the list is empty: return the point unchanged then.",
+    Mistake("you return nothing if the list is empty: in that case, return the point unchanged.",
             replace("return point", "return point if transforms else None")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: go from the last transform to the first. "
@@ -97,12 +97,12 @@ def about(axis: Sequence[float], angle: float) -> Quaternion:
 
 
 def in_order(rotations: Sequence[Quaternion], point: ArrayLike) -> ArrayLike:
-    """Turn a point by the first rotation, then by the next: the product in the wrong order."""
+    """Turn a point by the first rotation, then by the next, which is the wrong order."""
     return reduce(lambda turning, q: turned(q, turning), rotations, point)
 
 
 def messages(chain: Chain) -> Iterator[TransformStamped]:
-    """Make the messages of a chain. The outermost frame of a chain of five is map, that of a shorter one is odom."""
+    """Make the messages of a chain. The outermost frame is map for a chain of five, and odom for a shorter one."""
     frames = FRAMES if len(chain) == 5 else FRAMES[1:]
     for (xyz, axis, angle), parent, child in zip(chain, frames, frames[1:]):
         stamped = TransformStamped(child_frame_id=child)
@@ -118,7 +118,7 @@ def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Trial], list
     Args:
         chain: the transforms.
         point: a point in the innermost frame [m].
-        kind: the type that the point has for the answer.
+        kind: the type of the point that the answer gets.
     """
     return lambda trial: trial.ask(list(messages(chain)), kind(point), read=three, wanted=XYZ)
 
@@ -129,42 +129,42 @@ def three(returned: Any) -> list[float]:
     return [x, y, z]
 
 
-ABOUT_Y = ("A turn about z comes out right, and one about another axis doesn't. You probably "
+ABOUT_Y = ("A rotation about z works, but one about a different axis doesn't. You probably "
            "have a mistake in the terms with x and y: compare with turned(q, point).")  # fmt: skip
 IN_TURN = ("You probably expect a certain number of transforms, or a certain frame. "
-           "Go from the last to the first, whatever their number: each one turns "
-           "what the transforms after it have made of the point, and then adds.")  # fmt: skip
+           "Go from the last to the first, whatever their number: each one turns the "
+           "result of the one after it, and then adds its translation.")  # fmt: skip
 CASES = [
-    Case("a frame that is only moved", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
-         "Nothing is turned here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
-         "another place (in ROS it comes last), don't add all of the translation, or look for a certain frame."),
-    Case("a quarter of a turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
-         "You probably have a mistake in the turn itself: compare "
-         "with turned(q, point). ROS has x, y, z, w, with w last."),
-    Case("moved, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-         "A move alone and a turn alone come out right. You probably "
+    Case("a frame that is only translated", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
+         "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
+         "the wrong place (in ROS it is last), don't add all of the translation, or look for a certain frame."),
+    Case("a quarter turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
+         "You probably have a mistake in the rotation itself: compare "
+         "with turned(q, point). ROS uses x, y, z, w, with w last."),
+    Case("translated, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
+         "A translation alone and a rotation alone work. You probably "
          "combine them in the wrong order: turn first, then add."),
     Case("turned about y, nose up", tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)), ABOUT_Y),
     Case("turned about x, on its side", tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)), ABOUT_Y),
-    Case("turned about a slanting axis", tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
-         "Turns about x, y and z come out right. You probably "
-         "combine the three wrongly: compare with turned(q, point)."),
+    Case("turned about an oblique axis", tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
+         "Rotations about x, y and z work. You probably combine "
+         "the three wrongly: compare with turned(q, point)."),
     Case("two transforms", tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)), IN_TURN, crashes=True),
     Case("quaternions with all signs changed", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
          "q and -q are the same rotation. You probably use the sign of w without those of x, y and z."),
     Case("five transforms", tried(LONG, (0.3, 0.1, -0.2)), IN_TURN, crashes=True),
     Case("a point of ints", tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
-         "An array that is made of ints holds ints only. You probably "
-         "lose the fractions there: start with np.array(point, float).", crashes=True),
+         "An array made from ints can hold only ints. You probably lose "
+         "the fractions: start with np.array(point, float).", crashes=True),
     Case("a point that is an array", tried(LONG[2:], (0.3, 0.1, -0.2), np.array)),
     Case("no transform", tried([], (1.0, 2.0, 3.0)),
-         "You probably take a first transform for granted. If the list is empty, return the point unchanged.",
+         "You probably expect at least one transform. If the list is empty, return the point unchanged.",
          crashes=True),
 ]  # fmt: skip
 
 
 def say(numbers: Sequence[float]) -> str:
-    """Write a place [m] with four decimals at most, so that unlike numbers look unlike, and rounded ones rounded."""
+    """Format a position [m] with at most four decimals: different numbers look different, and rounded ones rounded."""
     return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 

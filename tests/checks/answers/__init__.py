@@ -5,5 +5,5 @@ from tutorial.checks.engine.twins import Twins
 
 
 def edited(exercise, *edits):
-    """Return the solution of an exercise with these texts replaced, each given with the text in its place."""
+    """Return the solution of an exercise with replaced texts, given as pairs of old and new text."""
     return Twins(exercise.cases).make(Fault("", tuple(Edit(*each) for each in edits)))

@@ -1,4 +1,4 @@
-"""The exercise `aim`: right answers in their styles, and wrong ones."""
+"""The exercise `aim`: right answers in various styles, and wrong ones."""
 
 import time
 from dataclasses import InitVar, dataclass
@@ -65,7 +65,7 @@ class ByTheClock(HeldJoint):
 
 
 class OneByOne(HeldJoint):
-    """Sets the spring, and adds the damping."""
+    """Set the spring, then add the damping."""
 
     def aim(self, stick):
         self.now, self.before = self.q_ref, self.q_prev
@@ -76,7 +76,7 @@ class OneByOne(HeldJoint):
 
 WRONG = [
     (edited(aim, ("self.joint.effort = 200 * (q_ref - q)", "self.joint.position = q_ref")), "as joint.position"),
-    (edited(aim, ("= self.joint.range", "= -0.1700001, 0.7800001")), "fixed ends of the range"),
+    (edited(aim, ("= self.joint.range", "= -0.1700001, 0.7800001")), "hard-code the ends of the range"),
     (edited(aim, ("= time_step", "= 0.001")), "a fixed time step"),
     (ByTheClock, "the computer's clock"),
     (OneByOne, "add the torque to the last one with +="),

@@ -1,4 +1,4 @@
-"""The exercise `bound`: right answers in their styles, and wrong ones."""
+"""The exercise `bound`: right answers in various styles, and wrong ones."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""The exercise `by_name`: right answers in their styles, and wrong ones."""
+"""The exercise `by_name`: right answers in various styles, and wrong ones."""
 
 from collections import OrderedDict
 from functools import partial
@@ -59,7 +59,7 @@ def in_whole_thousandths(joint_names, message):
 
 WRONG = [
     (yields, "Return a dict from names to positions"),
-    (makes_one_dict, "keep one dict from call to call"),
+    (makes_one_dict, "reuse one dict in all calls"),
     (looks_up_all, "expect every joint in every message"),
     (filters_first, ["before zip", "only for NaN"]),
     (in_whole_thousandths, ["convert or round", "only for NaN"]),

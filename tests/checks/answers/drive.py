@@ -1,4 +1,4 @@
-"""The exercise `drive`: right answers in their styles, and wrong ones."""
+"""The exercise `drive`: right answers in various styles, and wrong ones."""
 
 import threading
 import time
@@ -16,7 +16,7 @@ def dead(axes):
 
 
 class OwnLock(GentleTank):
-    """Keeps two numbers under a lock of its own, and its actuators in a dict."""
+    """Keep two numbers under a lock, and the actuators in a dict."""
 
     def configure(self, config):
         self.node, self.lock, self.x, self.y = config.node, threading.Lock(), 0.0, 0.0
@@ -38,7 +38,7 @@ class OwnLock(GentleTank):
 
 
 class WholeMessage(GentleTank):
-    """Keeps one attribute, which is replaced as a whole, and logs when."""
+    """Keep one attribute, replaced as a whole, and log each change."""
 
     joy = None
 
@@ -108,10 +108,10 @@ METHODS = [
     ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "rely on a message"),
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smooth the speeds"),
     ({"on_joy": throttle}, "skip messages by time"),
-    ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["rest, so the tank drives on"]),
-    ({"configure": subscribes_first}, "create the subscription before what its callback uses"),
-    ({"configure": other_type}, ["another topic or type", "read it before anything"]),
-    ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
+    ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["so the tank keeps moving"]),
+    ({"configure": subscribes_first}, "create the subscription before the attributes that its callback uses"),
+    ({"configure": other_type}, ["a different topic or type", "read it before anything"]),
+    ({"unconfigure": lambda self: self.subscription.destroy()}, "does not reach the node"),
     ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure destroy only the subscription"),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]

@@ -1,4 +1,4 @@
-"""The exercise `fire`: right answers in their styles, and wrong ones."""
+"""The exercise `fire`: right answers in various styles, and wrong ones."""
 
 import time
 

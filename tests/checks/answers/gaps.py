@@ -1,4 +1,4 @@
-"""The exercise `gaps`: right answers in their styles, and wrong ones."""
+"""The exercise `gaps`: right answers in various styles, and wrong ones."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -67,5 +67,5 @@ EMPTY = "You probably expect at least one message"
 WRONG = [
     (edited(gaps, ('"gap"', '"GAP"')), 'The only words are "gap" and "restart".'),
     (neighbours_of_some, [LAST, EMPTY]),
-    (kept_newest, ["You keep newest_of_all from call to call"]),
+    (kept_newest, ["You keep newest_of_all from one call to the next"]),
 ]

@@ -1,4 +1,4 @@
-"""The exercise `gray`: right answers in their styles, and wrong ones."""
+"""The exercise `gray`: right answers in various styles, and wrong ones."""
 
 import queue
 import threading
@@ -12,7 +12,7 @@ from tutorial.checks.gray import GrayPublisher
 
 
 class SumsOfThirds(GrayPublisher):
-    """Adds thirds, counts its steps, and has everything about a picture in one call."""
+    """Add thirds, count steps, and keep everything about a picture in one call."""
 
     def initialize(self, io):
         self.io, self.camera, self.left = io, io.body.camera("CAMERA"), 0
@@ -32,7 +32,7 @@ class SumsOfThirds(GrayPublisher):
 
 
 class OnAWorker(GrayPublisher):
-    """Has a thread publish what is delivered, which it joins in stop; rounds, and begins late."""
+    """Publish delivered pictures on a thread, joined in stop; round, and begin late."""
 
     def initialize(self, io):
         super().initialize(io)

@@ -1,4 +1,4 @@
-"""The exercise `gyro`: right answers in their styles, and wrong ones."""
+"""The exercise `gyro`: right answers in various styles, and wrong ones."""
 
 import threading
 
@@ -12,7 +12,7 @@ from . import edited
 
 
 class CountsItsSteps(GyroPublisher):
-    """Adds up, sends one message again and again, in the chassis' frame where the sensor is fixed to that."""
+    """Keep a running sum, reuse one message, and measure in the frame of the chassis that holds the sensor."""
 
     def initialize(self, io):
         self.io, self.sensor, self.message = io, io.body.sensor("GYRO"), Imu()
@@ -32,7 +32,7 @@ class CountsItsSteps(GyroPublisher):
 
 
 class AtATime(GyroPublisher):
-    """Sends whenever the next tenth of a second has come, and counts those by adding floats."""
+    """Send every tenth of a second, at times computed by adding floats."""
 
     def initialize(self, io):
         super().initialize(io)

@@ -1,4 +1,4 @@
-"""The exercise `hop`: right answers in their styles, and wrong ones."""
+"""The exercise `hop`: right answers in various styles, and wrong ones."""
 
 import asyncio
 import time
@@ -13,7 +13,7 @@ from . import edited
 
 
 class Task(HopViewer):
-    """A task that sleeps is as good as a timer. What the sensors measure is shown, too."""
+    """Use a sleeping task instead of a timer, and show the sensors' values, too."""
 
     def update(self, message):
         self.body.notify_change()
@@ -31,7 +31,7 @@ class Task(HopViewer):
 
 
 class Ticking(HopViewer):
-    """Looks every 20 ms whether it is time, by the computer's clock."""
+    """Check the computer's clock every 20 ms."""
 
     def update(self, message):
         a = message.linear_acceleration
@@ -50,7 +50,7 @@ class Ticking(HopViewer):
 
 
 class LikeASensor(HopViewer):
-    """Has a profile in place of a number, and a topic that begins with a slash."""
+    """Use a QoS profile instead of a number, and a topic with a leading slash."""
 
     def configure(self, config):
         super().configure(config)
@@ -60,7 +60,7 @@ class LikeASensor(HopViewer):
 
 
 class Remembers(HopViewer):
-    """Keeps an object of its own on the class, for nothing."""
+    """Keep an unused object on the class."""
 
     seen: list = []
 
@@ -95,14 +95,14 @@ def posts_after_seconds(self, message):
 
 
 WRONG = [
-    (changed(configure=keeps_four), "Keep ten in the subscription"),
+    (changed(configure=keeps_four), "a queue depth of 10"),
     (changed(land=lambda self: time.monotonic()), "does not put the body back"),
     (changed(update=posts_after_seconds), "config.call_later takes no seconds"),
     (changed(update=never_awaited), "Write def, not async def"),
     (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "with parentheses"),
     (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "Fix this line first"),
     (changed(__setattr__=lambda self, *each: setattr(type(self), *each)), "is shared by all objects of the class"),
-    (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "another thread than"),
+    (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "outside of the main"),
 ]
 
 POST, DESTROY = "self.call_later(self.update, message)", "self.node.destroy"
@@ -111,15 +111,15 @@ PUT_BACK = f"self.timer.cancel()\nself.timer, self.body.position = None, self.pl
 WRONG += [
     (edited(hop, edit), cause)
     for edit, cause in [
-        (("hypot(a.x, a.y)", "max(a.x, a.y)"), "You probably test another condition"),
+        (("hypot(a.x, a.y)", "max(a.x, a.y)"), "You probably test a different condition"),
         (("self.move(self.place)", "self.move(self.body.position - (0, 0, 0.1))"), "compute or hard-code the place"),
         (("> 20", "> 20 and not hasattr(self, 'place')"), "On landing set self.timer = None"),
-        ((POST, SKIP_EQUAL + POST), "equal to the one before"),
+        ((POST, SKIP_EQUAL + POST), "equals the previous one"),
         (("a = message.", "if self.timer: self.timer.cancel()\na = message."), "react to a harmless message"),
         (("config.call_later", "lambda *call: config.call_latest('imu', *call)"), "You probably lose messages"),
         ((DESTROY, PUT_BACK), "put the body back in unconfigure, but"),
         ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it is down"),
         ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it is down"),
-        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "post to the event loop yourself"),
+        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "post directly to the event loop"),
     ]
 ]

@@ -1,4 +1,4 @@
-"""The exercise `keep_up`: right answers in their styles, and wrong ones."""
+"""The exercise `keep_up`: right answers in various styles, and wrong ones."""
 
 import threading
 
@@ -46,7 +46,7 @@ TAKE = 'lambda: [self.update(self.message), setattr(self, "busy", False)])'
 POST = "self.call_latest("
 ONCE = f"if self.busy: return\nself.busy = True\n{POST}"
 WRONG = [
-    (WithoutAKey, "takes a key first"),
+    (WithoutAKey, "The first argument of call_latest is a key"),
     (edited(keep_up, ("config.call_latest", "lambda _, *call: config.call_later(*call)")), "or under different keys"),
     (edited(keep_up, BUSY, (POST, ONCE), ("self.body.calc", "self.busy = False\nself.body.calc")), "an older message"),
     (

@@ -1,4 +1,4 @@
-"""The exercise `pair`: right answers in their styles, and wrong ones."""
+"""The exercise `pair`: right answers in various styles, and wrong ones."""
 
 from collections import deque
 
@@ -11,7 +11,7 @@ def stamp_of(message):
 
 
 class Library(StampPairs):
-    """As the library does it."""
+    """Match messages like the library."""
 
     def __init__(self):
         super().__init__(lambda why: None)
@@ -22,7 +22,7 @@ class Library(StampPairs):
 
 
 class Queues:
-    """Two queues of at most 50, in the order of arrival."""
+    """Keep two queues of at most 50 messages, in the order of arrival."""
 
     def __init__(self, most=50):
         self.queues = {"joints": deque(maxlen=most), "pose": deque(maxlen=most)}
@@ -79,7 +79,7 @@ class OneLate(Pairs):
 
 
 WRONG = [
-    (OneLate, "Return a pair when its second message comes"),
+    (OneLate, "Return a pair when its second message arrives"),
     (ADefault, "on the class, or in the default of an argument"),
     (OnlyTwenty, "You probably let fewer or more than 50 messages wait"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),

@@ -1,4 +1,4 @@
-"""The exercise `publish`: right answers in their styles, and wrong ones."""
+"""The exercise `publish`: right answers in various styles, and wrong ones."""
 
 from array import array
 
@@ -11,7 +11,7 @@ from . import edited
 
 
 class OneMessage(SlowPublisher):
-    """One message object, filled again and again with arrays, and best effort."""
+    """Refill one message with arrays, and publish with best effort."""
 
     def configure(self, config):
         self.node, self.message = config.node, JointState(name=list(config.body.joint_names))
@@ -44,7 +44,7 @@ class DestroysInStop(SlowPublisher):
 
 OTHER = "self.node.create_publisher(JointState, 'other', 1)"
 WRONG = [
-    (edited(publish, ('f"', 'f"/')), "without a slash in front"),
+    (edited(publish, ('f"', 'f"/')), "without a leading slash"),
     (edited(publish, ("self.publisher =", f"{OTHER}\nself.publisher =")), "You probably make one at every start"),
     (edited(publish, ("self.io = io", "self.io = io\nself.node.create_timer(0.04, print)")), "a timer or a thread"),
     (type("A", (SlowPublisher,), {"unconfigure": lambda a: a.node.destroy_subscription(a.publisher)}), "destroy_publ"),

@@ -1,4 +1,4 @@
-"""The exercise `record`: right answers in their styles, and wrong ones."""
+"""The exercise `record`: right answers in various styles, and wrong ones."""
 
 from contextlib import suppress
 from queue import Empty
@@ -45,7 +45,7 @@ class Polls(MyRecorder):
 
 
 class Counts(MyRecorder):
-    """Extends `configure`, as the notebook allows."""
+    """Extend `configure`, which the notebook allows."""
 
     def configure(self, config):
         self.count = 0
@@ -95,6 +95,6 @@ WRONG = [
     ),
     (CountsTooLate, "super().configure(config) starts the thread"),
     (CallsNoSuper, "Call it: it makes the queue"),
-    (GoesOn, "You probably go on after None"),
+    (GoesOn, "You probably continue after None"),
     (Polls, ["get() waits for an entry"]),
 ]

@@ -1,4 +1,4 @@
-"""The exercise `show`: right answers in their styles, and wrong ones."""
+"""The exercise `show`: right answers in various styles, and wrong ones."""
 
 import asyncio
 import threading
@@ -78,10 +78,10 @@ def subscribes_first(self, config):
 
 
 WRONG = [
-    (changed(configure=subscribes_first), "create the subscription before what its callback uses"),
+    (changed(configure=subscribes_first), "create the subscription before the attributes that its callback uses"),
     (changed(on_joint_state=lambda self, message: self.update(message)), "move the body in the callback"),
-    (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "call it at once, with parentheses"),
-    (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of your own"),
+    (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "call it right away, with parentheses"),
+    (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "your own timer or thread"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(lock=threading.Lock(), **LOCKING), "Don't sleep or wait"),
     (changed(configure=calls_the_callback, on_joint_state=print), "Pass it without parentheses"),
@@ -94,14 +94,14 @@ IF_NEWS = 'self.old, old = positions, vars(self).get("old")\nif positions != old
 WRONG += [
     (edited(show, *edits), cause)
     for edits, cause in [
-        ([(POSITIONS, "positions(dict(zip(self.body.joint_names, message.position)))")], "by their place"),
+        ([(POSITIONS, "positions(dict(zip(self.body.joint_names, message.position)))")], "by their index"),
         ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "leave out positions of 0"),
         ([(POSITIONS, "positions(dict(zip(message.name, message.position)))")], "a name that the body does not have"),
         ([(POSITIONS, NO_ANTENNA)], "set NaN as a position"),
         ([(MATCHES, f"[message.position[i] for i, _ in enumerate(message.name)]\n{MATCHES}")], "an index beyond"),
         ([(MATCHES, f"if message.header.stamp.sec < 1: return\n{MATCHES}")], "because of its stamp"),
         ([("self.body.notify", IF_NEWS)], "repeats the positions"),
-        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "post to the event loop yourself"),
+        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "post directly to the event loop"),
         ([("config.call_later", 'lambda *call: config.call_latest("joints", *call)')], "You probably lose messages"),
     ]
 ]

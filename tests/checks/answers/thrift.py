@@ -1,4 +1,4 @@
-"""The exercise `thrift`: right answers in their styles."""
+"""The exercise `thrift`: right answers in various styles."""
 
 import numpy as np
 from rclpy.time import Time
@@ -8,7 +8,7 @@ from tutorial.checks.thrift import ThriftyPublisher
 
 
 class WithArrays(ThriftyPublisher):
-    """Compares arrays, of which the first is far away."""
+    """Compare arrays, the first of which is far away."""
 
     def initialize(self, io):
         self.io, self.names = io, np.array(io.body.joint_names)

@@ -1,4 +1,4 @@
-"""The exercise `timeout`: right answers in their styles, and wrong ones."""
+"""The exercise `timeout`: right answers in various styles, and wrong ones."""
 
 from tutorial.checks.timeout import CommandTimeout, timeout
 
@@ -6,7 +6,7 @@ from . import edited
 
 
 class Deadline:
-    """It keeps until when the message is fresh."""
+    """Keep the time until which the message is fresh."""
 
     def __init__(self):
         self.last = self.until = None
@@ -23,7 +23,7 @@ class Identity:
     def fresh(self, message, seconds):
         came = self.kept[1] if self.kept[0] == id(message) else seconds
         self.kept = id(message), came
-        self.message = message  # so that no other gets its id
+        self.message = message  # keeps its id from being reused
         return seconds <= came + 0.5
 
 
@@ -43,5 +43,5 @@ RIGHT = [Deadline, Identity]
 WRONG = [
     (Shared, "in __init__"),
     (edited(timeout, (" <= 0.5", "")), "Return True or False"),
-    (edited(timeout, ("self.message = message", "self.message = Joy(axes=message.axes)")), "keep no copy"),
+    (edited(timeout, ("self.message = message", "self.message = Joy(axes=message.axes)")), "don't keep a copy"),
 ]

@@ -1,4 +1,4 @@
-"""The exercise `where`: right answers in their styles, and wrong ones."""
+"""The exercise `where`: right answers in various styles, and wrong ones."""
 
 from collections import namedtuple
 from functools import reduce
@@ -23,7 +23,7 @@ def recursive(transforms, point):
 
 def by_matrices(transforms, point):
     whole = np.eye(4)
-    for stamped in transforms:  # matrices may be multiplied from the outside, too
+    for stamped in transforms:  # matrices can also be multiplied from the outside in
         q, turn, one = stamped.transform.rotation, np.empty(9), np.eye(4)
         mujoco.mju_quat2Mat(turn, np.array([q.w, q.x, q.y, q.z]))
         one[:3, :3], one[:3, 3] = turn.reshape(3, 3), to_parent(stamped, (0, 0, 0))
@@ -68,11 +68,11 @@ def wrong_matrix(transforms, point):
 
 WRONG = [
     (lambda transforms, point: to_parent(*transforms, point), "You probably expect a certain number of transforms"),
-    (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take a first transform for granted"),
+    (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "expect at least one transform"),
     (lambda transforms, point: where_is(transforms, point)[:2], "Return the three numbers x, y and z in a list"),
     (overwrites, "Copy it first"),
-    (whole, "An array that is made of ints holds ints only"),
+    (whole, "An array made from ints can hold only ints"),
     (until_odom, "or a certain frame"),
-    (wrong_matrix, "Turns about x, y and z come out right"),
+    (wrong_matrix, "Rotations about x, y and z work"),
     (lambda transforms, point: to_parent(transforms[-1], point), ["you use only the last transform", ""]),
 ]
