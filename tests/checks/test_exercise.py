@@ -26,7 +26,8 @@ def test_there_are_exercises_for_each_controller_and_each_is_called_by_its_name(
     files = {module.rpartition(".")[2] for module in controller_names().values()} - BESIDE
     assert all(sum(f"{file}_".startswith(f"{name}_") for name in names) == 1 for file in files)
     assert all(any(f"{file}_".startswith(f"{name}_") for file in files) for name in names)
-    modules = {path.stem for path in (PACKAGE / "checks").glob("[!_]*.py")} - names - {"catalogue", "exercise"}
+    others = {"catalogue", "exercise", "progress"}
+    modules = {path.stem for path in (PACKAGE / "checks").glob("[!_]*.py")} - names - others
     assert modules == {exercise.name for exercise in EXERCISES}, "the module of a step lists its exercises"
     for exercise in EXERCISES:
         assert getattr(importlib.import_module(exercise.module), exercise.name) is exercise
