@@ -1,5 +1,6 @@
 """The folder of the real ROS 2: its place, and whether it can be used."""
 
+import os
 import re
 
 import pytest
@@ -7,12 +8,15 @@ import pytest
 from tutorial.errors import TutorialError
 from tutorial.ros.wheels import folder
 
+SETTINGS = folder.WHEELS.with_name("fastdds.xml")
+
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     """An empty folder in place of the real one."""
     monkeypatch.setattr(folder, "prefix", lambda: tmp_path)
-    monkeypatch.delenv("RMW_IMPLEMENTATION", raising=False)
+    for name in ("RMW_IMPLEMENTATION", folder.RANGE, folder.PROFILES):
+        monkeypatch.delenv(name, raising=False)
     return tmp_path
 
 
@@ -44,6 +48,16 @@ def test_other_rmw(place, monkeypatch):
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
     with pytest.raises(TutorialError, match=r"has only 'rmw_fastrtps_cpp'\. Type unset RMW_IMPLEMENTATION"):
         folder.check()
+
+
+@pytest.mark.parametrize(("name", "usual"), [(folder.RANGE, "LOCALHOST"), (folder.PROFILES, str(SETTINGS))])
+def test_the_users_settings_win(place, monkeypatch, name, usual):
+    monkeypatch.setattr(folder.sys, "path", [])
+    for given, used in (("", usual), ("mine", "mine")):
+        monkeypatch.setenv(name, given)
+        folder.activate()
+        assert os.environ[name] == used
+    assert "USER_DATA_ONLY" in SETTINGS.read_text()
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,9 @@ ABOUT = WHEELS.with_name("about.txt")
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
 
+PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
+"""The variable that names Fast DDS's settings."""
+
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 PYTHON = f"python{sys.version_info.major}.{sys.version_info.minor}"
@@ -81,13 +84,14 @@ def check() -> None:
 
 
 def activate() -> None:
-    """Make the folder's rclpy importable in this process, and keep its nodes on this machine.
+    """Let ``import rclpy`` find the folder's rclpy in this process, and keep its nodes on this machine.
 
-    By default, a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's
-    tank. Child processes inherit the setting.
+    By default a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's tank.
+    `fastdds.xml` explains why Fast DDS needs settings. The user's own settings win. Child processes inherit all settings.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"
+    os.environ[PROFILES] = os.environ.get(PROFILES) or str(WHEELS.with_name("fastdds.xml"))
 
 
 def explain_missing(module: str) -> None:
