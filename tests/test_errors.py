@@ -2,7 +2,7 @@
 
 import pytest
 
-from tutorial.errors import did_you_mean, printable, printable_lines, tell
+from tutorial.errors import describe_error, did_you_mean, printable, printable_lines
 
 
 @pytest.mark.parametrize(
@@ -25,7 +25,7 @@ def test_a_texts_own_line_ends_and_tabs_stay():
 
 
 def test_an_error_outside_the_readers_file_has_no_line():
-    assert tell(ValueError("mine"), "mine.py") == "mine.py: ValueError: mine"
+    assert describe_error(ValueError("mine"), "mine.py") == "mine.py: ValueError: mine"
 
 
 def test_of_many_valid_names_only_some_are_listed():

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 
 from tutorial import simulation as simulation_module
 from tutorial.body import Body
@@ -263,7 +263,7 @@ class Stuck(Recorder):
 
     def start(self):
         self.simulation.start()
-        assert self.there.wait(PATIENCE)
+        assert self.there.wait(TIMEOUT)
 
 
 @pytest.fixture
@@ -318,12 +318,12 @@ class TestHangingController:
     def test_only_the_advancing_thread_waits(self, stuck):
         with ThreadPoolExecutor(1) as pool:
             advancing = pool.submit(stuck.simulation.advance, 1.0)
-            assert stuck.there.wait(PATIENCE)
+            assert stuck.there.wait(TIMEOUT)
             stuck.simulation.stop()
             assert stuck.simulation.state is State.ABANDONED
             stuck.let.set()
             with pytest.raises(ControllerError, match=SAID):
-                advancing.result(PATIENCE)
+                advancing.result(TIMEOUT)
 
 
 def test_releasing_a_body_and_stopping_an_advance_from_another_thread(recorder):

@@ -75,7 +75,7 @@ def file_of(written: type) -> str:
     return next((code.co_filename for code in codes if code is not None), "")
 
 
-def tell(error: BaseException, file: str) -> str:
+def describe_error(error: BaseException, file: str) -> str:
     """Describe in one line an error that a file raised, with its innermost line in that file.
 
     Args:

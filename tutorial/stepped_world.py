@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tutorial.body import Body, FindCamera
 from tutorial.controller import ControllerIO, SimpleController
-from tutorial.errors import TutorialError, file_of, tell
+from tutorial.errors import TutorialError, describe_error, file_of
 from tutorial.world import Placement, compose
 
 POLL_EVERY = 0.001  # [s] between two checks for a run's next lap
@@ -226,4 +226,4 @@ class SteppedWorld:
     def controller_error(self, run: Run, error: BaseException) -> ControllerError:
         """Return an error that names the controller that failed, the time, and the line."""
         name, file = run.at_work()
-        return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {tell(error, file)}")
+        return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {describe_error(error, file)}")

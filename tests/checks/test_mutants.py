@@ -6,7 +6,7 @@ import forks
 import pytest
 from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import mutants_of, rejects
-from programs import PATIENCE
+from programs import TIMEOUT
 
 from tutorial.checks.engine import contain
 
@@ -36,7 +36,7 @@ def test_mutants_are_rejected(name, monkeypatch):
 
         async def judge(mutant):
             async with turn:
-                return await rejects(exercise, mutant, PATIENCE)
+                return await rejects(exercise, mutant, TIMEOUT)
 
         return await asyncio.gather(*map(judge, chosen))
 

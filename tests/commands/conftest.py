@@ -23,7 +23,7 @@ class Run:
     def __init__(self) -> None:
         self.out, self.err = io.StringIO(), io.StringIO()
         self.status: int | None = None
-        self.asks: list[Callable[[], object]] = []
+        self.stops: list[Callable[[], object]] = []
 
     @property
     def stdout(self) -> str:
@@ -40,10 +40,10 @@ class Run:
     def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
         """When `so` is true, or never comes true, call `then`, or what Ctrl-C would call, so the command ends."""
         try:
-            until(lambda: (self.asks and so()) or self.status is not None)
+            until(lambda: (self.stops and so()) or self.status is not None)
         except AssertionError:
             then = None
-        (then or self.asks[-1])()
+        (then or self.stops[-1])()
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
         done = Run()
         with monkeypatch.context() as patch, redirect_stdout(done.out), redirect_stderr(done.err):
             for module in SIGNALLED:
-                patch.setattr(f"tutorial.commands.{module}.handle_signals", lambda ask, **_: done.asks.append(ask))
+                patch.setattr(f"tutorial.commands.{module}.handle_signals", lambda ask, **_: done.stops.append(ask))
             patch.setattr("tutorial.commands.terminal.logging_redirect_tqdm", nullcontext)  # it changes all handlers
             patch.setattr(gc, "freeze", lambda: None)
             patch.setattr(logging.root, "handlers", [])

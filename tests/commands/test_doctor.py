@@ -15,7 +15,7 @@ OTHERS = "all machines of this network"
 
 
 @pytest.mark.parametrize(
-    ("probe", "kind", "answer", "environment", "level", "said", "mend"),
+    ("probe", "kind", "answer", "environment", "level", "said", "fix"),
     [
         ("mujoco", "pocket", LIBCRYPTO, {}, "problem", "libcrypto", "pip install --force-reinstall mujoco"),
         ("mujoco", "pocket", VULKAN, {}, "problem", "cannot be imported: MUJOCO_GL is odd", "unset MUJOCO_GL"),
@@ -42,7 +42,7 @@ OTHERS = "all machines of this network"
         ("domain", "pocket", LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
     ],
 )
-def test_each_probe_reports_what_it_finds(monkeypatch, probe, kind, answer, environment, level, said, mend):
+def test_each_probe_reports_what_it_finds(monkeypatch, probe, kind, answer, environment, level, said, fix):
     monkeypatch.setattr(doctor.os, "environ", environment)
     monkeypatch.setattr(doctor, "ask", Mock(side_effect=[answer]))  # instead of starting a process
     monkeypatch.setattr(doctor, "ros_backend", lambda: "pocket" if kind == "pocket" else "rclpy")
@@ -51,14 +51,14 @@ def test_each_probe_reports_what_it_finds(monkeypatch, probe, kind, answer, envi
     found = getattr(doctor, probe)()
     assert found.level == level
     assert said in found.text
-    assert mend in found.mend
-    assert bool(found.mend) == (level != "ok")
+    assert fix in found.fix
+    assert bool(found.fix) == (level != "ok")
 
 
 def test_loopback_down(monkeypatch):
     monkeypatch.setattr(doctor, "loopback_is_up", lambda: False)
     found = doctor.discovery()
-    assert (found.level, found.mend) == ("problem", doctor.TURN_ON)
+    assert (found.level, found.fix) == ("problem", doctor.TURN_ON)
     assert "the loopback interface (127.0.0.1) is down" in found.text
 
 
@@ -67,12 +67,12 @@ def test_output_has_columns_and_a_failed_probe_does_not_stop_the_rest(monkeypatc
     probes = {"ROS 2": lambda: found, "broken": lambda: 1 / 0, "Python": doctor.PROBES["Python"]}
     monkeypatch.setattr(doctor, "PROBES", probes)
     assert doctor.doctor() == 1
-    first, second, third, mend, broken, _, python, *_, last = capsys.readouterr().out.splitlines()
+    first, second, third, fix, broken, _, python, *_, last = capsys.readouterr().out.splitlines()
     assert first.startswith("ROS 2      problem  word")
     assert second.startswith(" " * 20 + "word")
     assert max(map(len, (first, second))) <= 100
     assert third == " " * 20 + "/long" * 30
-    assert mend == " " * 17 + "-> export ROS_DOMAIN_ID=42"
+    assert fix == " " * 17 + "-> export ROS_DOMAIN_ID=42"
     assert broken == "broken     note     the check failed: ZeroDivisionError: division by zero"
     assert python.startswith("Python     ok ")
     assert last == "problems: 1, notes: 1"
@@ -80,7 +80,7 @@ def test_output_has_columns_and_a_failed_probe_does_not_stop_the_rest(monkeypatc
 
 @pytest.mark.process
 @pytest.mark.parametrize(
-    ("module", "patience", "said"),
+    ("module", "timeout", "said"),
     [
         ("import os; os.abort()", 45, "crashed with SIGABRT"),
         ("1 / 0", 45, "ZeroDivisionError"),
@@ -88,8 +88,8 @@ def test_output_has_columns_and_a_failed_probe_does_not_stop_the_rest(monkeypatc
         ("import time; time.sleep(60)", 0.1, r"no answer within 0\.1 s"),
     ],
 )
-def test_a_crashed_or_hanging_probe_is_reported(tmp_path, monkeypatch, module, patience, said):
+def test_a_crashed_or_hanging_probe_is_reported(tmp_path, monkeypatch, module, timeout, said):
     (tmp_path / "mujoco.py").write_text(module)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     with pytest.raises(TutorialError, match=said):
-        ask(doctor._mujoco, patience)
+        ask(doctor._mujoco, timeout)

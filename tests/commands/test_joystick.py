@@ -6,7 +6,7 @@ import threading
 
 import pytest
 from packages import run
-from programs import PATIENCE
+from programs import TIMEOUT
 from sensor_msgs.msg import Joy
 
 from tutorial.commands.joystick import ScriptedDrive, publish_joystick
@@ -48,7 +48,7 @@ def test_it_ends_with_its_simulation_although_other_nodes_listen(domain):
 
         stop = threading.Event()
         drive = ScriptedDrive(find_drive("tour"))
-        assert publish_joystick(joy.node, drive, 0.1, 2 * PATIENCE, stop, leave) < PATIENCE
+        assert publish_joystick(joy.node, drive, 0.1, 2 * TIMEOUT, stop, leave) < TIMEOUT
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import nbformat
 import psutil
 import pytest
 from nbformat.sign import NotebookNotary
-from programs import PATIENCE, answer, until
+from programs import TIMEOUT, answer, until
 from websocket import create_connection
 
 from tutorial.commands import lab
@@ -79,7 +79,7 @@ def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(p
         with answer(kernels) as reply:
             return json.load(reply)[0]["execution_state"] == "idle"
 
-    with closing(create_connection(channels, PATIENCE)):
+    with closing(create_connection(channels, TIMEOUT)):
         until(is_ready, "the kernel")
     assert len(running.family()) == 2
     said = len(running.lines)

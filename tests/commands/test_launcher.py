@@ -139,7 +139,7 @@ def test_when_one_fails_the_rest_stop_and_its_status_counts(machine, launch_file
 
 
 def test_asked_to_stop_it_kills_those_that_do_not(machine, launch_file, monkeypatch):
-    monkeypatch.setattr(launcher, "PATIENCE", 0.2)
+    monkeypatch.setattr(launcher, "TIMEOUT", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted
     assert machine.lines[-1] == "stubborn | did not stop within 0.2 s and is killed"

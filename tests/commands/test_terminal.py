@@ -10,7 +10,7 @@ import pytest
 
 from tutorial.commands import terminal
 from tutorial.commands.terminal import prepare_output
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 STUCK = """import mujoco
@@ -28,7 +28,7 @@ def test_unsupported_characters_are_escaped(monkeypatch):
     written = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, "latin-1"))
     prepare_output()
-    say("戦車 é\x1b\n")
+    print_text("戦車 é\x1b\n")
     assert written.getvalue() == b"\\u6226\\u8eca \xe9\\x1b\n"
 
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
-from loops import PATIENCE, until
+from loops import TIMEOUT, until
 
 from tutorial.program.host import Host
 from tutorial.program.project import Project
@@ -65,4 +65,4 @@ def test_a_node_without_the_course_logs_what_it_hears(domain, backend, arguments
             running.cancel()
 
     with script(*arguments) as node:
-        asyncio.run(asyncio.wait_for(scenario(node), PATIENCE))
+        asyncio.run(asyncio.wait_for(scenario(node), TIMEOUT))

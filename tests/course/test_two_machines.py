@@ -17,7 +17,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 
 pytestmark = pytest.mark.process
 
@@ -80,7 +80,7 @@ class Machine:
 
     def close(self) -> None:
         """End the machine."""
-        self._holder.communicate(timeout=PATIENCE)
+        self._holder.communicate(timeout=TIMEOUT)
 
 
 def _enter(namespace: int) -> None:

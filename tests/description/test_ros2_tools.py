@@ -14,7 +14,7 @@ from itertools import count
 from types import SimpleNamespace
 
 import pytest
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
@@ -71,7 +71,7 @@ def going_on(*command, environment):
         yield process
     finally:
         os.killpg(process.pid, signal.SIGINT)
-        process.wait(PATIENCE)
+        process.wait(TIMEOUT)
 
 
 def test_check_urdf_accepts_it(bodies, environment, tmp_path):
@@ -91,7 +91,7 @@ def test_a_late_real_subscriber_gets_it(node, bodies, environment):
     echo = ["ros2", "topic", "echo", "--no-daemon", "--once", "--full-length", "--field", "data"]
     qos = ["--qos-reliability", "reliable", "--qos-durability", "transient_local"]
     command = [*REAL, *echo, *qos, "/Tank/robot_description", "std_msgs/msg/String"]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=TIMEOUT, check=True)
     assert done.stdout.strip().removesuffix("---").strip() == robot_description(bodies["Tank"]).strip()
 
 

@@ -48,7 +48,7 @@ async def test_closing_asks_it_to_stop():
 
 
 async def test_one_that_does_not_stop_is_killed(monkeypatch):
-    monkeypatch.setattr("tutorial.notebook.command.PATIENCE", 0.5)
+    monkeypatch.setattr("tutorial.notebook.command.TIMEOUT", 0.5)
     command = python(f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n{SLEEPS}")
     pid = await process_of(command)
     command.close()

@@ -59,7 +59,7 @@ async def test_until_lets_the_loop_run_and_names_its_condition():
     with pytest.raises(TutorialError, match=r"timed out after 0\.02 s waiting for the match\. Run the cells above"):
         await until(lambda: False, "the match", 0.02)
     with pytest.raises(TutorialError, match=r"timed out .*\. Meanwhile: \[ERROR\] no match"):
-        await until(lambda: logger.error("no match"), patience=0.02)
+        await until(lambda: logger.error("no match"), timeout=0.02)
 
 
 def test_errors_may_be_logged_while_they_are_read(capsys):
@@ -77,7 +77,7 @@ def test_errors_may_be_logged_while_they_are_read(capsys):
     try:
         for _ in range(3000):
             with pytest.raises(TutorialError, match="timed out"):
-                until(lambda: False, patience=-1.0).send(None)
+                until(lambda: False, timeout=-1.0).send(None)
             log()
     finally:
         enough.set()

@@ -10,7 +10,7 @@ from ipykernel.comm.comm import BaseComm
 from ipykernel.kernelbase import Kernel
 from IPython.core.formatters import DisplayFormatter
 from kernels import kernel
-from programs import PATIENCE
+from programs import TIMEOUT
 
 from tutorial.checks.tank_controller import drive
 from tutorial.notebook import close_all, process, topic_list
@@ -80,6 +80,6 @@ def test_messages_of_pages_do_not_change_a_cells_parent():
             for _ in range(number % 6):
                 client.shell_channel.send(client.session.msg("comm_msg", {"comm_id": comm_id.strip(), "data": {}}))
             while cells:
-                said = client.get_iopub_msg(timeout=PATIENCE)
+                said = client.get_iopub_msg(timeout=TIMEOUT)
                 if said["content"].get("execution_state") == "idle":
                     cells.discard(said["parent_header"]["msg_id"])

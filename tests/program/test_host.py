@@ -13,7 +13,7 @@ from operator import attrgetter
 
 import pytest
 from geometry_msgs.msg import Pose
-from loops import PATIENCE, in_a_loop, until
+from loops import TIMEOUT, in_a_loop, until
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
@@ -246,7 +246,7 @@ def hanging(step2, monkeypatch):
     yield replace(step2, bodies=bodies), there
     let.set()
     for thread in threads() - before:
-        thread.join(PATIENCE)
+        thread.join(TIMEOUT)
         assert not thread.is_alive()
 
 
@@ -278,13 +278,13 @@ async def test_a_run_with_a_duration_ends_despite_a_hanging_controller(hanging, 
 
     async with Host(project) as host:
         with pytest.raises(ControllerError, match="Hangs does not return"):
-            await asyncio.wait_for(host.run(1.0, progress=look), PATIENCE)
+            await asyncio.wait_for(host.run(1.0, progress=look), TIMEOUT)
 
 
 @in_a_loop
 async def test_a_program_can_be_closed_while_it_runs_and_twice(step3):
     host = Host(step3, view=watched_view())
-    await asyncio.wait_for(host.run(progress=lambda _: host.close()), PATIENCE)
+    await asyncio.wait_for(host.run(progress=lambda _: host.close()), TIMEOUT)
     host.close()
     with pytest.raises(TutorialError, match=r"this program is closed\. Open it again\."):
         await host.run(0.1)
@@ -454,7 +454,7 @@ async def live_through(seed, model):
 
 @pytest.mark.parametrize("tens", range(20))
 def test_a_host_shuts_down_and_reports_every_failure(tens, domain, tmp_path, monkeypatch, caplog):
-    for name in ("simulation.STUCK", "program.run.HUNG", "ros.node_thread.SpinThread.patience"):
+    for name in ("simulation.STUCK", "program.run.HUNG", "ros.node_thread.SpinThread.timeout"):
         monkeypatch.setattr(f"tutorial.{name}", 0.05)
     model = tmp_path / "box.xml"  # the smallest usable model, which loads quickly
     model.write_text("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody></mujoco>")
@@ -463,6 +463,6 @@ def test_a_host_shuts_down_and_reports_every_failure(tens, domain, tmp_path, mon
         caplog.clear()
         untold = asyncio.run(live_through(seed, model))
         for thread in threads() - before:
-            thread.join(PATIENCE)
+            thread.join(TIMEOUT)
             assert not thread.is_alive(), f"seed {seed}: {thread}"
         assert [text for text in untold if text not in caplog.text] == [], f"seed {seed}"

@@ -17,7 +17,7 @@ import pytest
 import yaml
 from packages import CONTROLLERS, install, need_setuptools
 from pictures import need_pictures
-from programs import PATIENCE, TANK, until
+from programs import TANK, TIMEOUT, until
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
@@ -55,7 +55,7 @@ class Beside:
         alone = self.ros2[-1] == "ros2" and command[0] != "bag" and command[1] in ("list", "info")
         arguments = [*self.ros2, *command, *["--no-daemon"] * alone]
         return subprocess.run(
-            arguments, env=self.environment, check=False, capture_output=True, text=True, timeout=2 * PATIENCE
+            arguments, env=self.environment, check=False, capture_output=True, text=True, timeout=2 * TIMEOUT
         )
 
     def say(self, *command: str) -> str:
@@ -78,7 +78,7 @@ class Beside:
         finally:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGINT)
-            process.communicate(timeout=PATIENCE)
+            process.communicate(timeout=TIMEOUT)
 
     def joints(self) -> dict[str, float]:
         """Return the current positions of the simulated joints [rad]."""
@@ -91,7 +91,7 @@ class Beside:
         """End everything that still runs, including the daemon of ``ros2``."""
         if self.simulation.poll() is None:
             os.killpg(self.simulation.pid, signal.SIGTERM)
-        self.simulation.communicate(timeout=PATIENCE)
+        self.simulation.communicate(timeout=TIMEOUT)
         if self.ros2[-1] == "ros2":
             self.say("daemon", "stop")
 
@@ -178,7 +178,7 @@ def test_packages_run_and_launch_on_a_real_ros_2(rmw, tmp_path):
             pocket.says("/listener\n", "node", "list")
             pocket.says("/simulation\n", "node", "list")
         launched.send_signal(signal.SIGINT)
-        launched.communicate(timeout=PATIENCE)
+        launched.communicate(timeout=TIMEOUT)
         assert launched.returncode == 0
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from unittest.mock import Mock
 
 import pytest
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import String
 
@@ -148,7 +148,7 @@ def test_latencies_can_be_read_while_messages_arrive(meter, monkeypatch):
 
 
 def test_a_hanging_callback_does_not_block_close(domain, monkeypatch, caplog):
-    monkeypatch.setattr(NodeThread, "patience", 0.1)
+    monkeypatch.setattr(NodeThread, "timeout", 0.1)
     entered, release = threading.Event(), threading.Event()
 
     def wait():
@@ -197,7 +197,7 @@ def test_an_interrupted_close_can_be_continued(thread, monkeypatch):
 
 
 def test_a_repeated_error_is_logged_now_and_then(node, caplog, monkeypatch):
-    monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", PATIENCE)
+    monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", TIMEOUT)
     fail = Mock(side_effect=ValueError)
     node.create_timer(0.001, fail)
     until(lambda: fail.call_count > 3, "some failures")

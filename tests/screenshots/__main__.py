@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from browser import LIKE_A_CARD, PATIENCE, Witness, chromium, open_browser
+from browser import LIKE_A_CARD, TIMEOUT, Witness, chromium, open_browser
 from lab import copy_files, jupyter_lab
 from PIL import Image
 
@@ -126,7 +126,7 @@ async def drive(folder: Path) -> list[Image.Image]:
 def main() -> None:
     with reserved_domain() as domain, tempfile.TemporaryDirectory() as folder:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
-        first, *others = asyncio.run(asyncio.wait_for(drive(Path(folder)), 28 * PATIENCE))
+        first, *others = asyncio.run(asyncio.wait_for(drive(Path(folder)), 28 * TIMEOUT))
     how = {"duration": round(1000 * FRAME), "loop": 0, "quality": QUALITY, "method": 6}
     first.save(PATH, save_all=True, append_images=others, **how)
 

@@ -17,7 +17,7 @@ import tutorial  # noqa: F401 - promises an rclpy
 # isort: split
 from harness import GROWTH, MEMORY, above, python, soak
 from tables import console
-from traffic import PATIENCE, RATE
+from traffic import RATE, TIMEOUT
 
 TRAFFIC = Path(__file__).with_name("traffic.py")
 OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
@@ -36,7 +36,7 @@ def run(kind: str, seconds: float) -> tuple[Result, Result]:
     """
     console.print(f"{kind}, {seconds} s:")
     with python(TRAFFIC, "publish", kind, seconds) as one, python(TRAFFIC, OTHER_ENDS[kind], kind, seconds) as other:
-        deadline = time.monotonic() + 3 * seconds + 2 * PATIENCE
+        deadline = time.monotonic() + 3 * seconds + 2 * TIMEOUT
         while None in (statuses := [end.poll() for end in (one, other)]) and not any(statuses):
             if time.monotonic() > deadline:
                 raise SystemExit(f"{kind}: a process should have ended long ago")

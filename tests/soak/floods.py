@@ -22,7 +22,7 @@ from tutorial.system.parent_watch import signal_group
 HERE = Path(__file__).parent
 KINDS = ("names", "messages", "encapsulations")
 SETTLED = 20  # tenths of a second that the viewer runs before the attack
-PATIENCE = 60.0  # [s]
+TIMEOUT = 60.0  # [s]
 BOUNDS = {
     "the main loop was blocked for {:.0f} ms, at most {:g} are allowed": 100.0,
     f"the {MEMORY}": 50.0,
@@ -49,12 +49,12 @@ def flood(kind: str, seconds: float) -> list[float]:
 
         with python(HERE / "victim.py", "run", "step3", HOLDS=str(written)) as victim:
             threading.Thread(target=lambda: lines.extend(victim.stdout), daemon=True).start()
-            deadline = time.monotonic() + PATIENCE
+            deadline = time.monotonic() + TIMEOUT
             while len(holds()) < SETTLED:
                 if victim.poll() is not None or time.monotonic() > deadline:
                     raise SystemExit("the viewer does not run:\n" + "".join(lines))
                 time.sleep(0.02)
-            with python(HERE / "attack.py", kind, seconds + PATIENCE) as attacker:
+            with python(HERE / "attack.py", kind, seconds + TIMEOUT) as attacker:
                 attacker.stdout.readline()
                 (viewer,) = psutil.Process(victim.pid).children()
                 start, printed, quiet = viewer.memory_info().rss, len(lines), len(holds())
@@ -66,7 +66,7 @@ def flood(kind: str, seconds: float) -> list[float]:
                 asked = time.monotonic()
                 viewer.send_signal(signal.SIGTERM)
                 with suppress(subprocess.TimeoutExpired):
-                    victim.wait(PATIENCE)
+                    victim.wait(TIMEOUT)
                 end = time.monotonic() - asked
                 signal_group(attacker.pid, signal.SIGINT)
                 sent = attacker.stdout.readline()

@@ -35,7 +35,7 @@ from tutorial.system.paths import find_project
 
 RATE = 1000  # [Hz]
 QUIET = 1.0  # [s] of silence after which no more messages are expected
-PATIENCE = 60.0  # [s] for which one end waits for the other
+TIMEOUT = 60.0  # [s] for which one end waits for the other
 TOPIC = "/Tank/joint_state"
 QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
@@ -65,7 +65,7 @@ def publish(kind: str, seconds: float) -> dict[str, Any]:
         publisher.publish(message)
         memory.look()
     took = time.monotonic() - began
-    publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
+    publisher.wait_for_all_acked(Duration(seconds=TIMEOUT))
     return {"sent": count, "rate": count / max(took, count / RATE)}
 
 
@@ -108,7 +108,7 @@ async def show(kind: str, seconds: float) -> dict[str, Any]:
                 waiting.append(host.waiting)
                 memory.look()
 
-        await host.run(seconds, 2 * seconds + PATIENCE, look)
+        await host.run(seconds, 2 * seconds + TIMEOUT, look)
         record = host.record()
     counts = record["topics"][TOPIC]
     return {

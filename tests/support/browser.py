@@ -34,7 +34,7 @@ OF_THE_MACHINE = re.compile(
     r"|^\[anywidget\] Failed to initialize model\.$"  # after two seconds; an exception prints something different
 )
 """Harmless messages of Chromium without a graphics card, and of JupyterLab on a busy machine."""
-PATIENCE = 60.0
+TIMEOUT = 60.0
 
 
 def find_chromium() -> str | None:
@@ -69,7 +69,7 @@ async def open_browser(
         browser = await playwright.chromium.launch(executable_path=path, args=[*arguments])
         try:
             page = await browser.new_page(viewport={"width": width, "height": height}, device_scale_factor=scale)
-            page.set_default_timeout(PATIENCE * 1000)
+            page.set_default_timeout(TIMEOUT * 1000)
             yield page
         finally:
             await browser.close()

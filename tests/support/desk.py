@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import PATIENCE, Witness, chromium, open_browser
+from browser import TIMEOUT, Witness, chromium, open_browser
 from lab import Lab, jupyter_lab
 from playwright.async_api import Page
 
@@ -48,7 +48,7 @@ def lab_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[Cour
             page = runner.run(opened.enter_async_context(open_browser(chromium(), **browser)))
             lab = runner.run(opened.enter_async_context(jupyter_lab(folder, base_url)))
             witness = Witness(page)
-            yield CourseDesk(lab, page, witness, lambda main: runner.run(asyncio.wait_for(main, 6 * PATIENCE)))
+            yield CourseDesk(lab, page, witness, lambda main: runner.run(asyncio.wait_for(main, 6 * TIMEOUT)))
             own = (lab.root, lab.root.replace("http", "ws", 1), "data:", "blob:")
             assert [url for url in witness.requests if not url.startswith(own)] == []
         finally:

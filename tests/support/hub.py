@@ -20,7 +20,7 @@ from urllib.request import HTTPCookieProcessor, Request, build_opener
 
 import nbformat
 import psutil
-from programs import PATIENCE, answer, marked, until
+from programs import TIMEOUT, answer, marked, until
 from websocket import WebSocket, WebSocketConnectionClosedException, WebSocketTimeoutException, create_connection
 
 CHECKOUT = Path(__file__).parents[2]
@@ -82,7 +82,7 @@ def hub(folder: Path) -> Iterator[Hub]:
         assert started.poll() is None, said()
         yield running
         started.send_signal(signal.SIGINT)
-        started.wait(PATIENCE)
+        started.wait(TIMEOUT)
         until(lambda: not running.processes(), f"the end of {running.processes()}")
     finally:
         for each in running.sockets:
@@ -147,12 +147,12 @@ class Student:
         def xsrf() -> str:
             return next(cookie.value or "" for cookie in jar if cookie.name == "_xsrf" and cookie.path == "/hub/")
 
-        opener.open(form, timeout=PATIENCE).close()
+        opener.open(form, timeout=TIMEOUT).close()
         words = {"username": self._name, "password": self._hub.password, "_xsrf": xsrf()}
-        opener.open(form, urlencode(words).encode(), timeout=PATIENCE).close()
+        opener.open(form, urlencode(words).encode(), timeout=TIMEOUT).close()
         headers = {"Content-Type": "application/json", "X-XSRFToken": xsrf()}
         wanted = Request(f"{self._hub.root}/hub/api/users/{self._name}/tokens", b"{}", headers)
-        with opener.open(wanted, timeout=PATIENCE) as reply:
+        with opener.open(wanted, timeout=TIMEOUT) as reply:
             return str(json.load(reply)["token"])
 
     def _wait_for_server(self) -> None:
@@ -164,7 +164,7 @@ class Student:
     def _connect(self, address: str) -> None:
         """Connect to the kernel, again if it restarts: a different process may have taken one of its ports."""
         while True:
-            self._socket = create_connection(address, PATIENCE, header={"Authorization": f"token {self._token}"})
+            self._socket = create_connection(address, TIMEOUT, header={"Authorization": f"token {self._token}"})
             self._hub.sockets.append(self._socket)
             with suppress(WebSocketConnectionClosedException, WebSocketTimeoutException):
                 self.run("")

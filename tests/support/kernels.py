@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 import psutil
 from jupyter_client.manager import KernelManager
-from programs import PATIENCE
+from programs import TIMEOUT
 
 
 class Kernel:
@@ -17,7 +17,7 @@ class Kernel:
         self.manager = manager
         self.client = manager.client()
         self.client.start_channels()
-        self.client.wait_for_ready(timeout=PATIENCE)
+        self.client.wait_for_ready(timeout=TIMEOUT)
 
     @property
     def process(self) -> psutil.Process:
@@ -26,17 +26,17 @@ class Kernel:
     def run(self, code: str) -> str:
         """Run a cell, and return its output; fail if the cell fails."""
         said = []
-        reply = self.client.execute_interactive(code, timeout=PATIENCE, output_hook=said.append)["content"]
+        reply = self.client.execute_interactive(code, timeout=TIMEOUT, output_hook=said.append)["content"]
         assert reply["status"] == "ok", "\n".join(reply.get("traceback", ["interrupted"]))
         return "".join(message["content"]["text"] for message in said if message["msg_type"] == "stream")
 
     def interrupt(self, code: str, once: Callable[[dict], object]) -> dict:
         """Run a cell, interrupt it after a certain message, and return the reply."""
         message_id = self.client.execute(code, stop_on_error=False)  # otherwise a quick next cell would not run
-        while not once(self.client.get_iopub_msg(timeout=PATIENCE)):
+        while not once(self.client.get_iopub_msg(timeout=TIMEOUT)):
             pass
         self.manager.interrupt_kernel()
-        while (reply := self.client.get_shell_msg(timeout=PATIENCE))["parent_header"].get("msg_id") != message_id:
+        while (reply := self.client.get_shell_msg(timeout=TIMEOUT))["parent_header"].get("msg_id") != message_id:
             pass
         return reply["content"]
 

@@ -16,7 +16,7 @@ from typing import Any
 import nbformat
 import psutil
 import pytest
-from browser import PATIENCE
+from browser import TIMEOUT
 from loops import until
 from playwright.async_api import Page
 
@@ -264,7 +264,7 @@ def _command(notebooks: Path, base_url: str) -> list[str]:
 
 async def _address(folder: Path, server: psutil.Popen) -> str:
     """Wait until the server prints its address."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     while True:
         for path in (folder / _FOLDERS["JUPYTER_RUNTIME_DIR"]).glob("jpserver-*.json"):
             if text := path.read_text(encoding="utf-8"):

@@ -8,7 +8,7 @@ from inspect import isawaitable
 
 import pytest
 
-PATIENCE = 60.0
+TIMEOUT = 60.0
 """How long a condition may take to come true [s]. Both cores may be busy, and only a failing test waits so long."""
 
 
@@ -17,23 +17,23 @@ def in_a_loop(test: Callable[..., Coroutine[None, None, None]]) -> Callable[...,
 
     @wraps(test)
     def run(**fixtures: object) -> None:
-        asyncio.run(asyncio.wait_for(test(**fixtures), 4 * PATIENCE))
+        asyncio.run(asyncio.wait_for(test(**fixtures), 4 * TIMEOUT))
 
     return run
 
 
-async def until(condition: Callable[[], object], what: str = "the condition", patience: float = PATIENCE) -> None:
+async def until(condition: Callable[[], object], what: str = "the condition", timeout: float = TIMEOUT) -> None:
     """Wait until a condition holds, and fail if it never does.
 
     Args:
         condition: a function, which may be async.
         what: the name of the condition, for the error.
-        patience: the longest time to wait [s].
+        timeout: the longest time to wait [s].
     """
-    deadline = time.monotonic() + patience
+    deadline = time.monotonic() + timeout
     while not await _result(condition):
         if time.monotonic() > deadline:
-            pytest.fail(f"waited {patience:.0f} s in vain for {what}")
+            pytest.fail(f"waited {timeout:.0f} s in vain for {what}")
         await asyncio.sleep(0.02)
 
 

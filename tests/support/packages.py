@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from programs import PATIENCE
+from programs import TIMEOUT
 
 CONTROLLERS = """
 from tutorial.controllers import joint_state_publisher, tank_controller
@@ -31,7 +31,7 @@ def need_setuptools() -> None:
 
 def run(*arguments: object, cwd: Path, **environment: str) -> str:
     """Run Python in a folder, and return its output."""
-    pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": 2 * PATIENCE}
+    pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": 2 * TIMEOUT}
     words, variables = [sys.executable, *map(str, arguments)], {**os.environ, **environment}
     done = subprocess.run(words, cwd=cwd, env=variables, check=False, **pipe)
     assert done.returncode == 0, done.stdout

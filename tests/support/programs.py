@@ -19,25 +19,25 @@ import psutil
 import pytest
 
 TANK = str(Path(sys.executable).parent / "tank")
-PATIENCE = 60.0
+TIMEOUT = 60.0
 """How long a condition may take to come true [s]. Both cores may be busy, and only a failing test waits so
 long."""
 
 
-def until(condition: Callable[[], object], what: str = "the condition", patience: float = PATIENCE) -> None:
+def until(condition: Callable[[], object], what: str = "the condition", timeout: float = TIMEOUT) -> None:
     """Wait until a condition holds, and fail if it never does."""
-    deadline = time.monotonic() + patience
+    deadline = time.monotonic() + timeout
     while not condition():
         assert time.monotonic() < deadline, f"waited in vain for {what}"
         time.sleep(0.02)
 
 
-def answer(request: Request | str, patience: float = PATIENCE) -> HTTPResponse:
+def answer(request: Request | str, timeout: float = TIMEOUT) -> HTTPResponse:
     """Send a request to a server as soon as it listens."""
-    deadline = time.monotonic() + patience
+    deadline = time.monotonic() + timeout
     while True:
         try:
-            return urlopen(request, timeout=patience)
+            return urlopen(request, timeout=timeout)
         except URLError as error:
             if not isinstance(error.reason, ConnectionRefusedError) or time.monotonic() > deadline:
                 raise
@@ -95,8 +95,8 @@ class Program:
 
     def ends(self) -> int:
         """Wait for its end, and return its exit status."""
-        status = self.process.wait(PATIENCE)
-        self._reader.join(PATIENCE)
+        status = self.process.wait(TIMEOUT)
+        self._reader.join(TIMEOUT)
         return status
 
     def family(self) -> list[psutil.Process]:
@@ -112,7 +112,7 @@ class Program:
         for process in self.family():
             process.kill()
         self.process.wait()
-        self._reader.join(PATIENCE)
+        self._reader.join(TIMEOUT)
         self.process.stdout.close()
 
     def _read(self) -> None:

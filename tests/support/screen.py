@@ -121,7 +121,7 @@ class Learner:
         self._described = {cells[-1]: cells for cells in described_cells(path) if cells}
 
     async def run_cell(self, number: int) -> None:
-        """Run the next cell, and note what cannot be seen of its effect. A view that already moves is not its effect."""
+        """Run the next cell, and note the effects off the screen. A view that already moves is not an effect."""
         await self._look(number)
         await asyncio.sleep(GLANCE)
         before, _ = await self._look(number, is_start=True)

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from pictures import is_red, need_pictures, red_block
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
@@ -33,7 +33,7 @@ class Stage:
 def elsewhere(function, *args):
     """Call a function like the simulation's thread, which does not wait for images."""
     with ThreadPoolExecutor(1) as pool:
-        pool.submit(function, *args).result(PATIENCE)
+        pool.submit(function, *args).result(TIMEOUT)
 
 
 class Slow:
@@ -42,11 +42,11 @@ class Slow:
     def __init__(self, eye):
         self.taken, self.entered, self.may_leave = [], threading.Event(), threading.Event()
         elsewhere(eye.capture, self)
-        assert self.entered.wait(PATIENCE)
+        assert self.entered.wait(TIMEOUT)
 
     def __call__(self, pixels):
         self.entered.set()
-        assert self.may_leave.wait(PATIENCE)
+        assert self.may_leave.wait(TIMEOUT)
         self.taken.append(pixels)
 
 
@@ -131,7 +131,7 @@ def test_a_closed_camera_delivers_no_more_images(stage, eye):
     closing.start()
     until(lambda: not stage.renderer._requests, "the drop of what waited")
     slow.may_leave.set()
-    closing.join(PATIENCE)
+    closing.join(TIMEOUT)
     assert len(slow.taken) == 1  # close() waits for a running delivery
     stage.body.camera("SMALL").capture(lambda _: None)
     assert len(slow.taken) == 1

@@ -172,11 +172,11 @@ CASES = [
 ]  # fmt: skip
 
 
-def say(torque: Any) -> str:
+def describe(torque: Any) -> str:
     """Put one torque [N.m], or several, into words."""
     if isinstance(torque, tuple):
-        return " and ".join(map(say, torque))
+        return " and ".join(map(describe, torque))
     return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")
 
 
-aim = Exercise("aim", __doc__, Cases(HeldJoint, CASES, MISTAKES, MEANING, say))
+aim = Exercise("aim", __doc__, Cases(HeldJoint, CASES, MISTAKES, MEANING, describe))

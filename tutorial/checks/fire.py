@@ -160,18 +160,21 @@ CASES = [
 ]  # fmt: skip
 
 
-def say(seen: Any) -> str:
+def describe(seen: Any) -> str:
     """Put the value of `fire` into words, or those of two tanks."""
     if isinstance(seen, list):
-        return ", and ".join(map(say, seen))
+        return ", and ".join(map(describe, seen))
     return f"self.fire holds {seen}" if isinstance(seen, bool) else str(seen)
 
 
 def on_ros(trial: Trial) -> str:
     """Observe the value of `fire` after a message from another node."""
-    return over_ros(trial, Joy(buttons=[1]), lambda rig: say(held(rig)))
+    return over_ros(trial, Joy(buttons=[1]), lambda rig: describe(held(rig)))
 
 
 fire = Exercise(
-    "fire", __doc__, Cases(FireButton, CASES, MISTAKES, MEANING, say, clock=NO_CLOCK, on_ros=on_ros), parts=("on_joy",)
+    "fire",
+    __doc__,
+    Cases(FireButton, CASES, MISTAKES, MEANING, describe, clock=NO_CLOCK, on_ros=on_ros),
+    parts=("on_joy",),
 )

@@ -207,7 +207,7 @@ CASES = [
 ]  # fmt: skip
 
 
-def say(found: Found) -> str:
+def describe(found: Found) -> str:
     """List as many events as fit into half a line, which leaves room for the expected ones."""
     said = [f"{what} {' to '.join(map(str, stamps))}" for what, *stamps in found]
     count = len(said)
@@ -217,5 +217,5 @@ def say(found: Found) -> str:
 
 
 gaps = Exercise(
-    "gaps", __doc__, Cases(find_gaps, CASES, MISTAKES, MEANING, say), imports=("from rclpy.time import Time",)
+    "gaps", __doc__, Cases(find_gaps, CASES, MISTAKES, MEANING, describe), imports=("from rclpy.time import Time",)
 )

@@ -196,7 +196,7 @@ CASES = [
 ]  # fmt: skip
 
 
-def say(returned: Sequence[Any]) -> str:
+def describe(returned: Sequence[Any]) -> str:
     """List the pairs' stamps; if there are many, only the first and the last."""
     pairs = [_name(*pair) for pair in returned if pair]
     count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 4 else f"{pairs[0]} to {pairs[-1]}"
@@ -214,4 +214,4 @@ def _time(stamp: int) -> str:
     return f"{stamp // MS}" + f".{stamp % MS:06}" * (stamp % MS > 0) + " ms"
 
 
-pair = Exercise("pair", __doc__, Cases(Pairs, CASES, MISTAKES, MEANING, say))
+pair = Exercise("pair", __doc__, Cases(Pairs, CASES, MISTAKES, MEANING, describe))

@@ -131,9 +131,9 @@ CASES = [
 ]  # fmt: skip
 
 
-def say(seen: list[bool]) -> str:
+def describe(seen: list[bool]) -> str:
     """List the results."""
     return ", ".join(map(str, seen))
 
 
-timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, CASES, MISTAKES, MEANING, say))
+timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, CASES, MISTAKES, MEANING, describe))

@@ -163,9 +163,9 @@ CASES = [
 ]  # fmt: skip
 
 
-def say(numbers: Sequence[float]) -> str:
+def describe(numbers: Sequence[float]) -> str:
     """Format a position [m] with at most four decimals: different numbers look different, and rounded ones rounded."""
     return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 
-where = Exercise("where", __doc__, Cases(where_is, CASES, MISTAKES, MEANING, say, beside=(turned,)))
+where = Exercise("where", __doc__, Cases(where_is, CASES, MISTAKES, MEANING, describe, beside=(turned,)))

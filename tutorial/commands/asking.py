@@ -16,7 +16,7 @@ import click
 
 from tutorial.commands.terminal import until_asked
 from tutorial.errors import TutorialError
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import NodeThread
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when the reader of a pipe has gone
 
 
-def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
+def query(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
     """Turn a coroutine function, which queries a node and prints the answer, into the function of a command.
 
     The node is hidden, like that of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit status
@@ -39,7 +39,7 @@ def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
             try:
                 return signal.SIGINT if until_asked(question(thread.node, **options)) else 0
             except TutorialError as error:
-                say(f"{error}\n", err=True)
+                print_text(f"{error}\n", err=True)
                 return 1
             except BrokenPipeError:
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes stdout again at exit

@@ -15,7 +15,7 @@ import click
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.options import Finite, Seconds
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, status_line
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
     from tutorial.ros.bags import Bag, Recorder
@@ -70,11 +70,11 @@ def record(
         with clear_ros_errors():
             recorder = Recorder(thread.node, path, None if everything else topics, storage, longest or math.inf)
         with recorder, status_line() as status:
-            say(f"recording into {path}; Ctrl-C stops it\n")
+            print_text(f"recording into {path}; Ctrl-C stops it\n")
             while recorder.error is None and not stop.wait(LOOK_EVERY):
                 status(_so_far(recorder))
     lost = f"; {recorder.lost:,} lost" if recorder.lost else ""
-    say(f"{_so_far(recorder)}{lost}\n")
+    print_text(f"{_so_far(recorder)}{lost}\n")
 
 
 @bag.command(short_help="Show what a bag contains.")
@@ -84,7 +84,7 @@ def info(bag: Path) -> None:
     from tutorial.ros.bags import Bag, bag_info
 
     opened = Bag(bag)
-    say(bag_info(opened))
+    print_text(bag_info(opened))
     _say_damage(opened)
 
 
@@ -127,10 +127,10 @@ def play(
     handle_signals(stop.set)
     with named_node("rosbag2_player", ros_args) as thread, clear_ros_errors():
         player = Player(thread.node, opened, rate, loop, start_offset, (*topics, *more) or None, clock or 0.0)
-        say(f"playing {bag}, {opened.duration:.1f} s; Ctrl-C stops it\n")
+        print_text(f"playing {bag}, {opened.duration:.1f} s; Ctrl-C stops it\n")
         with progress_bar(opened.duration) as progress:
             player.run(stop, progress)
-    say(f"{player.played:,} messages played\n")
+    print_text(f"{player.played:,} messages played\n")
     _say_damage(opened)
     return INTERRUPTED if stop.is_set() and not loop else 0
 
@@ -142,4 +142,4 @@ def _so_far(recorder: Recorder) -> str:
 
 def _say_damage(bag: Bag) -> None:
     if bag.damage:
-        say(f"{bag.damage}\n", err=True)
+        print_text(f"{bag.damage}\n", err=True)

@@ -11,7 +11,7 @@ from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 EPILOG = "\b\nThe faults:\n" + "\n".join(f"  {name:10} {what}" for name, what in FAULTS.items())
 
@@ -58,7 +58,7 @@ def chaos(ros_args: list[str], /, faults: dict[str, float], good: str | None, se
         with clear_ros_errors():
             ChaosStream(thread.node, faulty, good)
         shares = ", ".join(f"{name} {100 * share:g} %" for name, share in faults.items())
-        say(f"{shares or 'no fault'}\n")
+        print_text(f"{shares or 'no fault'}\n")
         stop.wait()
     hits = ", ".join(f"{name} {count}" for name, count in faulty.made.items() if count)
-    say(f"messages hit: {hits or 'none'}\n")
+    print_text(f"messages hit: {hits or 'none'}\n")

@@ -16,7 +16,7 @@ import click
 from tutorial.commands.options import Seconds
 from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.messages import Judged
@@ -75,7 +75,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     interrupted = until_asked(_judge_all(names, jobs, limit, not no_sandbox, done))
     results = [(names[path], done[path]) for path in paths if path in done]
     if as_json:
-        say(json.dumps(report.as_json(results, not no_sandbox), indent=2) + "\n")
+        print_text(json.dumps(report.as_json(results, not no_sandbox), indent=2) + "\n")
     else:
         console = Console(highlight=False)
         console.print(report.table(results))
@@ -87,7 +87,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         except OSError as error:
             raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
-        say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks were not judged.\n", err=True)
+        print_text(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks were not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
     return int(any(judged.outcome not in fine for _, verdicts in results for judged in verdicts.values()))
@@ -123,7 +123,7 @@ async def _judge_all(names: dict[Path, str], jobs: int, limit: float, is_sandbox
                 done[path] = await judge(path, limit, is_sandboxed)
             bar.update()
             if bar.disable:
-                say(f"{len(done)} of {len(names)}: {names[path]}\n", err=True)
+                print_text(f"{len(done)} of {len(names)}: {names[path]}\n", err=True)
 
         async with asyncio.TaskGroup() as group:
             for path in names:

@@ -27,10 +27,10 @@ from tutorial.ros.backend import VARIABLE, ros_backend
 from tutorial.ros.loopback import TURN_ON, loopback_is_up, require_loopback
 from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.folder import RANGE
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 WIDTH = 100  # columns, including 20 for subject and level
-PATIENCE = 45  # [s] the longest wait for an answer: a loaded machine is slow to import
+TIMEOUT = 45  # [s] the longest wait for an answer: a loaded machine is slow to import
 FIRST_LOOK = 4.0  # [s] until the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
 
 PIP = "python -m pip install"
@@ -55,12 +55,12 @@ class Diagnosis(NamedTuple):
     Attributes:
         level: ``"ok"``; ``"note"`` if the result may surprise; ``"problem"`` if something does not work.
         text: what the probe found.
-        mend: the fix, such as a command. Notes and problems have one.
+        fix: the fix, such as a command. Notes and problems have one.
     """
 
     level: Literal["ok", "note", "problem"]
     text: str
-    mend: str = ""
+    fix: str = ""
 
 
 def doctor() -> int:
@@ -71,10 +71,10 @@ def doctor() -> int:
     """
     levels = Counter[str]()
     with ThreadPoolExecutor(len(PROBES)) as pool:
-        for subject, (level, text, mend) in zip(PROBES, pool.map(_looked, PROBES.values())):
-            say(_columns(f"{subject:11}{level:9}", text) + _columns(f"{'':17}-> ", mend) * bool(mend))
+        for subject, (level, text, fix) in zip(PROBES, pool.map(_looked, PROBES.values())):
+            print_text(_columns(f"{subject:11}{level:9}", text) + _columns(f"{'':17}-> ", fix) * bool(fix))
             levels[level] += 1
-    say(f"\nproblems: {levels['problem']}, notes: {levels['note']}\n")
+    print_text(f"\nproblems: {levels['problem']}, notes: {levels['note']}\n")
     return int(levels["problem"] > 0)
 
 
@@ -94,12 +94,12 @@ def _columns(label: str, text: str) -> str:
     return wrapper.fill(text) + "\n"
 
 
-def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
+def ask(question: Callable[[], Any], timeout: float = TIMEOUT) -> Any:
     """Call a function in a separate process, and return its result.
 
     Args:
         question: one of this module's functions.
-        patience: the time limit [s].
+        timeout: the time limit [s].
 
     Raises:
         TutorialError: the function crashed, failed or took too long; the text says which.
@@ -107,9 +107,9 @@ def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
     code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
     command = [sys.executable, "-P", "-X", "utf8", "-c", code]
     try:
-        done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=patience, check=False)
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=timeout, check=False)
     except subprocess.TimeoutExpired:
-        raise TutorialError(f"no answer within {patience:g} s") from None
+        raise TutorialError(f"no answer within {timeout:g} s") from None
     if done.returncode < 0:
         raise TutorialError(f"crashed with {signal.Signals(-done.returncode).name}")
     if done.returncode > 0:
@@ -123,8 +123,8 @@ def mujoco() -> Diagnosis:
     try:
         version, problem = ask(_mujoco)
     except TutorialError as error:
-        mend = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
-        return Diagnosis("problem", f"it cannot be imported: {error}", mend)
+        fix = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
+        return Diagnosis("problem", f"it cannot be imported: {error}", fix)
     if problem:
         return Diagnosis("note", f"{version}; cameras take no pictures, the rest works: {problem[0]}", problem[1])
     return Diagnosis("ok", f"{version}, which can render off screen")
@@ -133,11 +133,11 @@ def mujoco() -> Diagnosis:
 def packages() -> Diagnosis:
     """Report what ``pip check`` prints."""
     command = [sys.executable, "-m", "pip", "check", "--disable-pip-version-check"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
     text = done.stdout.strip() or done.stderr.strip()
     if done.returncode:
-        mend = f"in the tutorial's folder: {PIP} -c constraints.txt -e . -e tutorial/ros/pocket"
-        return Diagnosis("problem", text, mend)
+        fix = f"in the tutorial's folder: {PIP} -c constraints.txt -e . -e tutorial/ros/pocket"
+        return Diagnosis("problem", text, fix)
     return Diagnosis("ok", text)
 
 
@@ -172,8 +172,8 @@ def backend() -> Diagnosis:
         return Diagnosis("note", f"{text}. The tutorial is made for jazzy", repair)
     if kind == "pocket" and distro and not wanted:
         text += f", although ROS 2 {distro} is set up in this shell"
-        mend = "python3.12 -m venv --system-site-packages ~/tank-ros; activate it, and source ROS 2's setup.bash again"
-        return Diagnosis("note", text, mend)
+        fix = "python3.12 -m venv --system-site-packages ~/tank-ros; activate it, and source ROS 2's setup.bash again"
+        return Diagnosis("note", text, fix)
     return Diagnosis("ok", text)
 
 
@@ -216,14 +216,14 @@ def domain() -> Diagnosis:
     try:
         names = ask(_nodes)
     except TutorialError as error:
-        mend = "fix the problems of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
-        return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
+        fix = "fix the problems of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
+        return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", fix)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
     text = f"in domain {number}: {', '.join(named) or 'nobody else'}"
     if len(counts) < len(names):
-        mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
-        return Diagnosis("note", f"{text}. Nodes with the same name cannot be distinguished", mend)
+        fix = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
+        return Diagnosis("note", f"{text}. Nodes with the same name cannot be distinguished", fix)
     return Diagnosis("ok", text)
 
 
@@ -248,7 +248,7 @@ def _mujoco() -> tuple[str, tuple[str, str] | None]:
         with offscreen.Offscreen(mujoco.MjModel.from_xml_string("<mujoco/>")):
             return mujoco.__version__, None
     except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and drivers can raise anything
-        return mujoco.__version__, (f"{type(error).__name__}: {error}", offscreen.mend())
+        return mujoco.__version__, (f"{type(error).__name__}: {error}", offscreen.advice())
 
 
 def _rclpy() -> tuple[str, str | None, str]:

@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING, TextIO
 
 import pocket_ros2
 from tutorial.commands.terminal import handle_signals
-from tutorial.errors import TutorialError, printable, printable_lines, tell
+from tutorial.errors import TutorialError, describe_error, printable, printable_lines
 from tutorial.system import parent_watch
 from tutorial.system.paths import with_own_commands
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
-PATIENCE = 8.0  # [s] from asking a process to stop to killing it
+TIMEOUT = 8.0  # [s] from asking a process to stop to killing it
 LOOK_EVERY = 0.1  # [s] between two checks of the running processes
 
 
@@ -47,10 +47,10 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             description = runpy.run_path(str(path)).get("generate_launch_description", lambda: None)()
         except ImportError as error:
             reason = str(error).removesuffix(".")
-            mend = f"Run it with a real ROS 2: ros2 launch {path}"
-            raise TutorialError(f"{path} uses more than the tutorial's launch has: {reason}. {mend}") from error
+            fix = f"Run it with a real ROS 2: ros2 launch {path}"
+            raise TutorialError(f"{path} uses more than the tutorial's launch has: {reason}. {fix}") from error
         except (Exception, SystemExit) as error:
-            raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
+            raise TutorialError(f"{path} failed: {describe_error(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription) or not description.entities:
         what = "function generate_launch_description() that returns a LaunchDescription with a process"
         raise TutorialError(f"{path} has no {what}.")
@@ -59,8 +59,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
         words = entity.cmd if isinstance(entity.cmd, list | tuple) else []
         if not words or not words[0] or not all(isinstance(word, str | Path) for word in words):
-            mend = "Give a list of words, such as cmd=['tank', 'joy']."
-            raise TutorialError(f"{path} has a process that cannot be started: its cmd is {entity.cmd!r:.100}. {mend}")
+            fix = "Give a list of words, such as cmd=['tank', 'joy']."
+            raise TutorialError(f"{path} has a process that cannot be started: its cmd is {entity.cmd!r:.100}. {fix}")
     return list(description.entities)
 
 
@@ -144,12 +144,12 @@ class Launcher:
         """Interrupt every remaining process group, and kill those that don't stop in time."""
         self._stop.set()
         self._signal_groups(signal.SIGINT)
-        for _ in range(round(PATIENCE / LOOK_EVERY)):
+        for _ in range(round(TIMEOUT / LOOK_EVERY)):
             if not self._signal_groups(0):
                 return
             time.sleep(LOOK_EVERY)
         for name in self._running:
-            self._say(name, f"did not stop within {PATIENCE:g} s and is killed")
+            self._say(name, f"did not stop within {TIMEOUT:g} s and is killed")
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:

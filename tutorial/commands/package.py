@@ -9,7 +9,7 @@ import click
 
 from tutorial.commands.options import part_class
 from tutorial.errors import TutorialError, printable
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 
 @click.command(short_help="Make a ROS 2 package from your own controller.")
@@ -44,16 +44,18 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
         (make_interfaces(name), "") if interfaces else make_package(name, part_class(own) if own else None)
     )
     _write(folder, files)
-    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
+    print_text("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
     if interfaces:
-        say("\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 of tank ros install:\n\n")
-        say(f"    tank ros build {printable(str(folder))}\n\n")
-        say(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
+        print_text(
+            "\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 of tank ros install:\n\n"
+        )
+        print_text(f"    tank ros build {printable(str(folder))}\n\n")
+        print_text(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
         return
-    say("\nFill in the license in package.xml and setup.py, and the maintainer if git has none. ")
-    say("README.md explains how to build and run the package:\n\n")
-    say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
-    say(f"    ros2 run {name} {executable}\n    ros2 launch {name} {name}.launch.py\n")
+    print_text("\nFill in the license in package.xml and setup.py, and the maintainer if git has none. ")
+    print_text("README.md explains how to build and run the package:\n\n")
+    print_text(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
+    print_text(f"    ros2 run {name} {executable}\n    ros2 launch {name} {name}.launch.py\n")
 
 
 def _write(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -14,7 +14,7 @@ from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.install import AGAIN, install, remove
 from tutorial.ros.wheels.interfaces import TF2_MSGS, build_interfaces, build_tf2_msgs
 from tutorial.system.paths import with_own_commands
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 
 @click.group("ros", short_help="Install a real ROS 2 beside this environment, and use it.")
@@ -32,10 +32,10 @@ def install_command() -> None:
     with _interruptible() as report:
         install(report)
         build_tf2_msgs(place, report)
-    say(f"The real ROS 2 is in {place}.\n\n{folder.ABOUT.read_text(encoding='utf-8')}")
-    say("\nUse it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
+    print_text(f"The real ROS 2 is in {place}.\n\n{folder.ABOUT.read_text(encoding='utf-8')}")
+    print_text("\nUse it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
     if not (folder.site_packages(place) / TF2_MSGS.name).exists():
-        say(f"\nStep 7 does not run on it: {folder.NO_TF2_MSGS}\n")
+        print_text(f"\nStep 7 does not run on it: {folder.NO_TF2_MSGS}\n")
 
 
 @ros.command(short_help="Build your own messages, services and actions for it.")
@@ -48,21 +48,21 @@ def build(package: Path) -> None:
     folder.check()
     with _interruptible() as report:
         name = build_interfaces(package, folder.prefix(), report)
-    say(f"{name} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
+    print_text(f"{name} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
 
 
 @ros.command(short_help="Remove it.")
 def remove_command() -> None:
     """Remove the real ROS 2, and the remains of interrupted installations."""
     remove()
-    say("The real ROS 2 has been removed.\n")
+    print_text("The real ROS 2 has been removed.\n")
 
 
 @ros.command(short_help="Show what it is, and whether it is installed.")
 def info() -> None:
     """Show what the real ROS 2 is, and whether it is installed. tank doctor shows which ROS 2 is in use."""
     hint = "" if folder.state() == "installed" else f". {folder.how_to_get_it()}"
-    say(f"folder    {folder.prefix()}, {folder.state()}{hint}\n{folder.ABOUT.read_text(encoding='utf-8')}")
+    print_text(f"folder    {folder.prefix()}, {folder.state()}{hint}\n{folder.ABOUT.read_text(encoding='utf-8')}")
 
 
 @ros.command(short_help="Run a command with it.", context_settings={"ignore_unknown_options": True})
@@ -88,5 +88,5 @@ def _interruptible() -> Iterator[Callable[[str], object]]:
         with status_line() as report:
             yield report
     except KeyboardInterrupt:
-        say(f"Interrupted. {AGAIN}\n", err=True)
+        print_text(f"Interrupted. {AGAIN}\n", err=True)
         raise click.exceptions.Exit(INTERRUPTED) from None

@@ -25,7 +25,7 @@ from tutorial.commands.ros import ros
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
 from tutorial.commands.topic import node, topic
 from tutorial.errors import TutorialError, printable
-from tutorial.system.printing import say
+from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import Gamepad, ScriptedDrive
@@ -51,7 +51,7 @@ def main(args: list[str] | None = None) -> None:
         error.show()
         status = error.exit_code
     except TutorialError as error:
-        say(f"Error: {error}\n", err=True)
+        print_text(f"Error: {error}\n", err=True)
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
@@ -146,9 +146,9 @@ def demo(duration: float | None, headless: bool) -> int:
 
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
-    say("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
-    say("Open the two addresses below in a browser.\n")
-    say(f"It ends after {duration:g} s.\n" if duration else "Ctrl-C ends it.\n")
+    print_text("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
+    print_text("Open the two addresses below in a browser.\n")
+    print_text(f"It ends after {duration:g} s.\n" if duration else "Ctrl-C ends it.\n")
     with tempfile.TemporaryDirectory(prefix="tank-") as directory:
         status = _launch("step3", duration, headless, Path(directory))
         records = read_records(Path(directory))
@@ -188,7 +188,7 @@ def progress(folder: Path | None) -> None:
     places = [Path(), Path("notebooks")] if folder is None else [folder, folder / "notebooks"]
     default = HOME / "notebooks" if folder is None else folder
     place = next((place for place in places if (place / FILE).exists()), default)
-    say(f"{Overview(exercise_names(), place)!r}\n")
+    print_text(f"{Overview(exercise_names(), place)!r}\n")
 
 
 @tank.command(short_help="Print a robot's description, a URDF.")
@@ -204,7 +204,7 @@ def urdf(model: str) -> None:
     from tutorial.world import Placement
 
     path = find_model(model)
-    say(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
+    print_text(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
 
 
 for command in (bag, chaos, check, node, package, ros, topic):
@@ -244,12 +244,12 @@ async def _host(
         view = None if headless and html is None else View(scene)
         with clear_ros_errors():
             host = await stack.enter_async_context(Host(project, ros_args, view))
-        say(f"{project.tree()}\n")
+        print_text(f"{project.tree()}\n")
         if not headless:
             from tutorial.view.web import SceneServer
 
             server = await stack.enter_async_context(SceneServer(scene, port=port, title=host.node.get_name()))
-            say(f"3D view: {server.url}\n")
+            print_text(f"3D view: {server.url}\n")
         if bag is not None:
             await stack.enter_async_context(bag_of(host, bag))
         if html is not None:
@@ -267,10 +267,10 @@ def _joy_source(drive: str | None) -> ScriptedDrive | Gamepad:
     from tutorial.system.paths import find_drive
 
     if drive is None and (gamepad := Gamepad.find()) is not None:
-        say(f"gamepad: {printable(gamepad.name)}\n")
+        print_text(f"gamepad: {printable(gamepad.name)}\n")
         return gamepad
     path = find_drive(drive or "tour")
-    say(f"{'' if drive else 'no gamepad is connected; '}scripted drive: {path.name}\n")
+    print_text(f"{'' if drive else 'no gamepad is connected; '}scripted drive: {path.name}\n")
     return ScriptedDrive(path)
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import asks
+from tutorial.commands.asking import query
 from tutorial.commands.options import Finite
-from tutorial.system.printing import say, say_all
+from tutorial.system.printing import print_text, print_texts
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
@@ -28,23 +28,23 @@ def topic() -> None:
 
 @topic.command("list")
 @click.option("-t", "--show-types", is_flag=True, help="Show the topics' types.")
-@asks
+@query
 async def list_topics(node: MeteredNode, show_types: bool) -> None:
     """List the topics."""
     from tutorial.ros.topics.listing import topic_list
 
-    say(await topic_list(node, show_types))
+    print_text(await topic_list(node, show_types))
 
 
 @topic.command()
 @click.argument("topic_name")
 @click.option("-v", "--verbose", is_flag=True, help="Show the nodes and their quality of service.")
-@asks
+@query
 async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
     """Show a topic's type and its numbers of publishers and subscriptions."""
     from tutorial.ros.topics.listing import topic_info
 
-    say(await topic_info(node, topic_name, verbose))
+    print_text(await topic_info(node, topic_name, verbose))
 
 
 @topic.command()
@@ -52,23 +52,23 @@ async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
 @click.option("--once", is_flag=True, help="End after the first message.")
 @click.option("--field", metavar="FIELD", help="Show only this field, such as position or header.stamp.")
 @click.option("--no-arr", is_flag=True, help="Print only the type and length of arrays.")
-@asks
+@query
 async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None, no_arr: bool) -> None:
     """Print the messages of a topic as they arrive, until Ctrl-C."""
     from tutorial.ros.topics.listening import topic_echo
 
-    await say_all(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
+    await print_texts(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
 
 
 @topic.command()
 @click.argument("topic_name")
 @click.option("-s", "--use-sim-time", is_flag=True, help="Measure in simulated time, from /clock.")
-@asks
+@query
 async def hz(node: MeteredNode, topic_name: str) -> None:
     """Measure the message rate of a topic, until Ctrl-C."""
     from tutorial.ros.topics.listening import topic_hz
 
-    await say_all(topic_hz(node, topic_name))
+    await print_texts(topic_hz(node, topic_name))
 
 
 @topic.command()
@@ -77,7 +77,7 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 @click.argument("values", default="{}")
 @click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="Rate [Hz].")
 @click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and end.")
-@asks
+@query
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
     """Publish a message. VALUES are its fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.
 
@@ -87,7 +87,7 @@ async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str
     from tutorial.ros.topics.populate import populated
     from tutorial.ros.topics.publishing import topic_pub
 
-    await say_all(topic_pub(node, topic_name, populated(message_type, values), rate, once))
+    await print_texts(topic_pub(node, topic_name, populated(message_type, values), rate, once))
 
 
 @click.group(short_help="List the nodes, as ros2 node does.")
@@ -96,7 +96,7 @@ def node() -> None:
 
 
 @node.command("list")
-@asks
+@query
 async def list_nodes(asker: MeteredNode) -> None:
     """List the nodes of all programs."""
     from tutorial.ros.topics.graph import wait_for_graph
@@ -106,5 +106,5 @@ async def list_nodes(asker: MeteredNode) -> None:
     await wait_for_graph(asker)
     names = node_names(asker)
     if len(set(names)) < len(names):
-        say(f"{SAME_NAME}\n", err=True)
-    say("".join(f"{escape_name(name)}\n" for name in names))
+        print_text(f"{SAME_NAME}\n", err=True)
+    print_text("".join(f"{escape_name(name)}\n" for name in names))

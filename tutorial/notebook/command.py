@@ -13,7 +13,7 @@ from tutorial.notebook.desk import until
 from tutorial.system import parent_watch
 from tutorial.system.paths import HOME, with_own_commands
 
-PATIENCE = 5.0  # [s] from asking a command to stop to killing it
+TIMEOUT = 5.0  # [s] from asking a command to stop to killing it
 LONGEST = 120.0  # [s] the longest wait for a command that ends by itself
 LINES_KEPT = 1000
 
@@ -68,7 +68,7 @@ class Command:
         for number in (signal.SIGINT, signal.SIGKILL):
             if self._reader.is_alive():
                 parent_watch.signal_group(self._process.pid, number)
-                self._reader.join(PATIENCE)
+                self._reader.join(TIMEOUT)
 
     def _read(self) -> None:
         """Keep the command's output until the command ends."""

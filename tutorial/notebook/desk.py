@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError, printable_lines
 
-PATIENCE = 30.0  # [s] that `until` waits: a classroom's server can be slow
+TIMEOUT = 30.0  # [s] that `until` waits: a classroom's server can be slow
 LOOK_EVERY = 0.01  # [s] between two checks of a condition
 LINES_KEPT = 100
 
@@ -70,27 +70,27 @@ def close_all() -> None:
             _log.exception("%s could not be closed", name)
 
 
-async def until(condition: Callable[[], object], what: str = "", patience: float = PATIENCE) -> None:
+async def until(condition: Callable[[], object], what: str = "", timeout: float = TIMEOUT) -> None:
     """Wait until a condition holds. Meanwhile the kernel stays responsive.
 
     Args:
         condition: called repeatedly until it returns a true value.
         what: a description of the condition, for the error.
-        patience: the longest time to wait [s].
+        timeout: the longest time to wait [s].
 
     Raises:
         TutorialError: the condition did not hold in time.
     """
     began = time.monotonic()
     while not condition():
-        if time.monotonic() > began + patience:
-            raise TutorialError(_in_vain(began, patience, what))
+        if time.monotonic() > began + timeout:
+            raise TutorialError(_in_vain(began, timeout, what))
         await asyncio.sleep(LOOK_EVERY)
 
 
-def _in_vain(began: float, patience: float, what: str) -> str:
+def _in_vain(began: float, timeout: float, what: str) -> str:
     """Describe the timeout, with the newest error logged during the wait: it may be the cause."""
-    said = f"timed out after {patience:g} s{f' waiting for {what}' if what else ''}."
+    said = f"timed out after {timeout:g} s{f' waiting for {what}' if what else ''}."
     errors = [line for time, line in logged.lines.copy() if time >= began and line.startswith("[ERROR]")]
     hint = f"Meanwhile: {errors[-1]}" if errors else "Run the cells above, in order, then this one."
     return f"{said} {hint}"

@@ -3,9 +3,9 @@
 from tutorial.notebook.desk import keep_once
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import listening, listing
-from tutorial.system.printing import say, say_all
+from tutorial.system.printing import print_text, print_texts
 
-PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
+TIMEOUT = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 REPORTS = 2  # the number of reports that `topic_hz` prints
 
 
@@ -15,7 +15,7 @@ async def topic_list(show_types: bool = False) -> None:
     Args:
         show_types: print their types, too, as with ``-t``.
     """
-    say(await listing.topic_list(_asker(), show_types))
+    print_text(await listing.topic_list(_asker(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
@@ -28,7 +28,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    say(await listing.topic_info(_asker(), topic, verbose))
+    print_text(await listing.topic_info(_asker(), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None, no_arr: bool = False) -> None:
@@ -43,7 +43,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     Raises:
         TutorialError: there is no such topic or field, or no message arrives for 10 s.
     """
-    await say_all(listening.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=PATIENCE))
+    await print_texts(listening.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=TIMEOUT))
 
 
 async def topic_hz(topic: str, window: int = 10_000) -> None:
@@ -56,7 +56,7 @@ async def topic_hz(topic: str, window: int = 10_000) -> None:
     Raises:
         TutorialError: no message arrives for 10 s.
     """
-    await say_all(listening.topic_hz(_asker(), topic, window=window, timeout=PATIENCE), REPORTS)
+    await print_texts(listening.topic_hz(_asker(), topic, window=window, timeout=TIMEOUT), REPORTS)
 
 
 def _asker() -> MeteredNode:

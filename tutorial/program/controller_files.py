@@ -9,7 +9,7 @@ from types import ModuleType
 
 from tutorial import controllers
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean, tell
+from tutorial.errors import TutorialError, describe_error, did_you_mean
 from tutorial.system.paths import is_file
 
 
@@ -32,7 +32,7 @@ def find_controller(name: str) -> type[SimpleController]:
     try:
         module = import_module(known[name])
     except Exception as error:
-        raise TutorialError(tell(error, file)) from error
+        raise TutorialError(describe_error(error, file)) from error
     found = _classes_of(module)
     if name not in found:
         rule = "A controller's class has the name of its file: imu_publisher.py holds ImuPublisher."
@@ -64,7 +64,7 @@ def load_controllers(path: Path, only: str | None = None) -> dict[str, type[Simp
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise TutorialError(tell(error, str(path.absolute()))) from error  # the path as tracebacks write it
+        raise TutorialError(describe_error(error, str(path.absolute()))) from error  # the path as tracebacks write it
     found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
     if not found:
         raise TutorialError(f"{path} defines no controller. A controller is a class derived from SimpleController.")

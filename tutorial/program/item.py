@@ -6,7 +6,7 @@ from collections import Counter
 
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.errors import TutorialError, file_of, printable, tell
+from tutorial.errors import TutorialError, describe_error, file_of, printable
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import Arrival, JointReport
 from tutorial.model.couplings import not_computed
@@ -174,7 +174,7 @@ class Item:
             controller = controller_class()
             controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
         except (Exception, SystemExit) as error:
-            text = f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
+            text = f"{name} could not join {self.body.name}: {describe_error(error, file_of(controller_class))}"
             raise TutorialError(text) from error
         self.controllers.append(controller)
         self.joints.meters += [meter for meter in self._node.meters[before:] if meter.brings_joint_states]

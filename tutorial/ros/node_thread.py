@@ -178,7 +178,7 @@ class SpinThread(Generic[AnyNode]):
     Attributes:
         node: the node.
         error: the last exception that a callback raised, including SystemExit; None if there was none.
-        patience: how long to wait for a running callback when the node is closed [s]; None to wait forever.
+        timeout: how long to wait for a running callback when the node is closed [s]; None to wait forever.
         full_name: the node's full name.
         alive: all instances in this process that are not closed, whatever their node's class.
 
@@ -188,7 +188,7 @@ class SpinThread(Generic[AnyNode]):
 
     alive: ClassVar[set[SpinThread[Any]]] = set()
     error: BaseException | None = None
-    patience: float | None = 3.0
+    timeout: float | None = 3.0
 
     def __init__(self, node_class: Callable[..., AnyNode], name: str, args: Sequence[str] | None = None) -> None:
         require_loopback()
@@ -226,7 +226,7 @@ class SpinThread(Generic[AnyNode]):
         if self not in self.alive:
             return
         self._stopping.set()
-        self._thread.join(self.patience)
+        self._thread.join(self.timeout)
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
             threading.Thread(target=self._leave, name="leaving", daemon=True).start()

@@ -16,25 +16,25 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-PATIENCE = 5.0  # [s] from asking the command to stop to killing it
-ASKING = {signal.SIGINT, signal.SIGTERM}
+TIMEOUT = 5.0  # [s] from asking the command to stop to killing it
+STOP_SIGNALS = {signal.SIGINT, signal.SIGTERM}
 OWN = str(Path(sys.executable).with_name("tank"))
 
 
 def main() -> int:
     """Run the command, and return its exit status; 128 + n if signal n ended it."""
     command = sys.argv[1:]
-    signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)
+    signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
     early: set[int] = set()
-    os.register_at_fork(before=lambda: early.update(signal.sigpending() & ASKING))
+    os.register_at_fork(before=lambda: early.update(signal.sigpending() & STOP_SIGNALS))
     try:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=partial(_begin, command[0], early))  # noqa: PLW1509
     except OSError as error:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
-    for asking in ASKING:
-        signal.signal(asking, lambda *_: None)  # the command receives it, too
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)
+    for number in STOP_SIGNALS:
+        signal.signal(number, lambda *_: None)  # the command receives it, too
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
     threading.Thread(target=_watch, args=(process,), daemon=True).start()
     status = process.wait()
     return status if status >= 0 else 128 - status
@@ -53,7 +53,7 @@ def start_watched(
     Raises:
         OSError, TypeError, ValueError: it cannot be started with these arguments.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)  # a child inherits this, and unblocks the signals itself
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)  # the child inherits this, and unblocks them itself
     try:
         return subprocess.Popen(
             [sys.executable, "-S", "-I", __file__, *words],
@@ -88,9 +88,9 @@ def _begin(program: str, early: set[int]) -> None:
 
     ``tank`` unblocks SIGINT itself, because until it is ready Python would answer it with a traceback.
     """
-    for asking in ASKING:
-        signal.signal(asking, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM} if program == OWN else ASKING)
+    for each in STOP_SIGNALS:
+        signal.signal(each, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM} if program == OWN else STOP_SIGNALS)
     for number in early:
         os.kill(os.getpid(), number)
 
@@ -100,7 +100,7 @@ def _watch(process: subprocess.Popen[bytes]) -> None:
     os.read(0, 1)
     os.killpg(0, signal.SIGINT)
     try:
-        process.wait(PATIENCE)
+        process.wait(TIMEOUT)
     finally:
         os.killpg(0, signal.SIGKILL)
 

@@ -8,7 +8,7 @@ import click
 from tutorial.errors import printable_lines
 
 
-def say(text: str, err: bool = False) -> None:
+def print_text(text: str, err: bool = False) -> None:
     """Print text with its own line ends, and flush. All commands print with this function.
 
     Control characters are printed as escapes: parts of the text may come from outside, and a terminal would obey them.
@@ -20,11 +20,11 @@ def say(text: str, err: bool = False) -> None:
     click.echo(printable_lines(text), nl=False, err=err)
 
 
-async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
+async def print_texts(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
     """Print texts as they arrive: the first ``count`` of them, or all."""
     async with aclosing(texts):
         async for text in texts:
-            say(text)
+            print_text(text)
             count = None if count is None else count - 1
             if count == 0:
                 return

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
-from tutorial.view.offscreen import USUAL, Offscreen, mend
+from tutorial.view.offscreen import USUAL, Offscreen, advice
 
-PATIENCE = 30.0  # [s] the longest wait for a picture in lockstep; the first picture also starts OpenGL
+TIMEOUT = 30.0  # [s] the longest wait for a picture in lockstep; the first picture also starts OpenGL
 UNSET = (1, 1)  # [px] MuJoCo's resolution of a camera that sets none
 NO_PICTURES = "cameras take no pictures, but everything else works: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
@@ -117,8 +117,8 @@ class CameraRenderer:
                 self._thread.start()
             self._changed.notify_all()
         if is_awaited:
-            if not request.done.wait(PATIENCE):
-                raise TutorialError(f"camera {camera.name!r} delivered no picture within {PATIENCE:g} s.")
+            if not request.done.wait(TIMEOUT):
+                raise TutorialError(f"camera {camera.name!r} delivered no picture within {TIMEOUT:g} s.")
             if request.error is not None:
                 raise request.error
 
@@ -129,7 +129,7 @@ class CameraRenderer:
             if dropped is not None:
                 dropped.done.set()
             if threading.current_thread() is not self._thread:
-                self._changed.wait_for(lambda: self._at_work is None or self._at_work.camera is not camera, PATIENCE)
+                self._changed.wait_for(lambda: self._at_work is None or self._at_work.camera is not camera, TIMEOUT)
 
     def close(self) -> None:
         """End the thread. Idempotent."""
@@ -137,7 +137,7 @@ class CameraRenderer:
             self._closed = True
             self._changed.notify_all()
         if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(PATIENCE / 10)
+            self._thread.join(TIMEOUT / 10)
             if self._thread.is_alive():
                 _log.error("a receiver of pictures does not return; its thread will end with the process")
 
@@ -150,7 +150,7 @@ class CameraRenderer:
                     camera = request.camera
                     self._deliver(request, offscreen.render(request.qpos, camera.number, camera.width, camera.height))
         except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and drivers can raise anything
-            _log.warning(NO_PICTURES, printable(f"{type(error).__name__}: {error}")[:200], mend())
+            _log.warning(NO_PICTURES, printable(f"{type(error).__name__}: {error}")[:200], advice())
         finally:
             atexit.unregister(self.close)
             self._end()

@@ -71,7 +71,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         return np.ascontiguousarray(pixels[::-1])  # OpenGL counts rows from the bottom
 
 
-def mend() -> str:
+def advice() -> str:
     """Return advice on how to make rendering work, as a sentence without its full stop."""
     return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
 

@@ -15,7 +15,7 @@ from sensor_msgs.msg import Joy
 
 from tutorial.body import Body, State
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
-from tutorial.errors import tell
+from tutorial.errors import describe_error
 from tutorial.handoff import CallQueue
 from tutorial.program.controller_files import find_controller, load_controllers
 from tutorial.ros.joy import joy_message
@@ -94,7 +94,7 @@ class Program:
             do(*arguments)
         except BaseException as error:  # noqa: BLE001 - the page shows every error
             self._has_failed = True
-            told = tell(error, str(self._file))
+            told = describe_error(error, str(self._file))
             if self._at_work:
                 return f"{self._at_work} failed at {self.step * TIME_STEP:.3f} s of simulated time: {told}"
             return str(error) if isinstance(error.__cause__, Exception) else told

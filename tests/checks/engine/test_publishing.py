@@ -1,6 +1,6 @@
 """The cases of controllers that publish at a rate."""
 
-from tutorial.checks.engine.publishing import compared, compared_stamps, say
+from tutorial.checks.engine.publishing import compared, compared_stamps, describe
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.publish import PUBLISHING, SlowPublisher
 
@@ -20,4 +20,4 @@ def test_words():
     assert compared([(1, 1), (3, 2)], "right", str) == {"3 instead of 2": [1, 3]}
     assert compared_stamps([(10**19, 0)]) == "the wall clock's time"
     assert compared_stamps([(5, 5)]) == "the simulated time"
-    assert say([{"a": 1}, "b"]) == "a; b"
+    assert describe([{"a": 1}, "b"]) == "a; b"

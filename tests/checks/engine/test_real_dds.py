@@ -16,6 +16,6 @@ def test_a_message_arrives(domain):
 
 
 def test_patience_ends(monkeypatch):
-    monkeypatch.setattr(real_dds, "PATIENCE", 0.0)
+    monkeypatch.setattr(real_dds, "TIMEOUT", 0.0)
     with pytest.raises(TutorialError, match="nothing"):
         real_dds.wait(lambda: False, "nothing")

@@ -9,7 +9,7 @@ from programs import until
 from sensor_msgs.msg import Joy
 
 from tutorial.notebook.widgets.cell_widget import CellWidget
-from tutorial.notebook.widgets.joystick import PATIENCE, Joystick
+from tutorial.notebook.widgets.joystick import TIMEOUT, Joystick
 from tutorial.ros.node_thread import NodeThread
 
 from .pages import on_a_subshell
@@ -65,12 +65,12 @@ def test_it_publishes_while_the_loop_is_blocked(joystick, heard):
 
 def test_it_lets_go_when_the_page_falls_silent(joystick, clock):
     say(joystick)
-    clock[0] += 0.9 * PATIENCE
+    clock[0] += 0.9 * TIMEOUT
     assert joystick.axes == tuple(HELD)
     say(joystick)  # the page repeats held sticks
-    clock[0] += 0.9 * PATIENCE
+    clock[0] += 0.9 * TIMEOUT
     assert joystick.axes == tuple(HELD)
-    clock[0] += 0.2 * PATIENCE
+    clock[0] += 0.2 * TIMEOUT
     assert joystick.axes == NEUTRAL
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from unittest.mock import Mock
 
 import pytest
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
@@ -74,7 +74,7 @@ def playing(player):
         yield
     finally:
         stop.set()
-        thread.join(PATIENCE)
+        thread.join(TIMEOUT)
     assert not thread.is_alive()
 
 

@@ -10,7 +10,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """How long a condition may take to come true [s]. Both cores may be busy, and only a failing test waits so long."""
 
 
@@ -44,7 +44,7 @@ def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], objec
     """Spin until a condition holds, and fail if it never does."""
 
     def spin_until(condition: Callable[[], object]) -> None:
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while not condition():
             assert time.monotonic() < deadline, "waited in vain"
             executor.spin_once(timeout_sec=0.05)

@@ -23,15 +23,15 @@ except BaseException as error:
 """
 
 
-@pytest.mark.parametrize(("number", "patience"), [(signal.SIGKILL, 30), (signal.SIGTERM, 5)], ids=["killed", "ends"])
-def test_a_node_leaves_the_graph_with_its_process(node, spin_until, start, number, patience):
+@pytest.mark.parametrize(("number", "timeout"), [(signal.SIGKILL, 30), (signal.SIGTERM, 5)], ids=["killed", "ends"])
+def test_a_node_leaves_the_graph_with_its_process(node, spin_until, start, number, timeout):
     process = start(TALKER)
     spin_until(lambda: "talker" in node.get_node_names())
     process.send_signal(number)
     process.wait(30)
     began = time.monotonic()
     spin_until(lambda: "talker" not in node.get_node_names())
-    assert time.monotonic() - began < patience
+    assert time.monotonic() - began < timeout
 
 
 LATE = ["KeyboardInterrupt True\n", "RCLError False\n"]

@@ -65,7 +65,7 @@ class TestGraph:
     def test_the_wait_gives_up_when_the_graph_keeps_changing(self, asker, monkeypatch):
         nodes = iter(range(1000))
         monkeypatch.setattr(asker, "get_node_names_and_namespaces", lambda: [(f"node{next(nodes)}", "/")])
-        assert not asyncio.run(wait_for_graph(asker, patience=0.3))
+        assert not asyncio.run(wait_for_graph(asker, timeout=0.3))
 
 
 class TestEcho:
@@ -224,7 +224,7 @@ class TestNoArr:
 
 
 def settle(asker, **how):
-    return asyncio.run(wait_for_graph(asker, patience=4 * QUIET_READS * READ_EVERY, **how))
+    return asyncio.run(wait_for_graph(asker, timeout=4 * QUIET_READS * READ_EVERY, **how))
 
 
 @pytest.mark.pocket
@@ -235,7 +235,7 @@ def test_it_waits_for_a_discovered_ros_2_program(asker, stranger):
 @pytest.mark.pocket
 def test_it_waits_until_all_nodes_and_endpoints_are_known(asker, stranger):
     async def told_in_the_meantime():
-        waiting = asyncio.create_task(wait_for_graph(asker, patience=60.0))
+        waiting = asyncio.create_task(wait_for_graph(asker, timeout=60.0))
         await asyncio.sleep(0)  # the first look
         stranger.announce(stranger.listing("late"))
         return await waiting
@@ -251,7 +251,7 @@ def test_it_does_not_wait_for_a_plain_dds_program(asker, domain):
     from cyclonedds.domain import DomainParticipant
 
     other = DomainParticipant(domain)
-    assert asyncio.run(wait_for_graph(asker, patience=60.0))
+    assert asyncio.run(wait_for_graph(asker, timeout=60.0))
     del other
 
 
@@ -259,5 +259,5 @@ def test_it_does_not_wait_for_a_plain_dds_program(asker, domain):
 def test_it_waits_longer_for_the_requested_topic(asker, monkeypatch):
     monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 60.0)
     looks = iter([False, False, True])
-    assert asyncio.run(wait_for_graph(asker, patience=60.0, wanted=lambda: next(looks)))
+    assert asyncio.run(wait_for_graph(asker, timeout=60.0, wanted=lambda: next(looks)))
     assert next(looks, "all taken") == "all taken"

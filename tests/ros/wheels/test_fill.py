@@ -10,7 +10,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from programs import PATIENCE, TANK, until
+from programs import TANK, TIMEOUT, until
 
 from tutorial.errors import TutorialError
 from tutorial.ros.wheels import folder, install
@@ -139,7 +139,7 @@ def test_ctrl_c(place):
     )
     command = [sys.executable, "-c", code, str(folder.PACKAGE), "ros", "install"]
     interrupted = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    until(lambda: size(place.parent) > 5e6, "some wheels", 2 * PATIENCE)
+    until(lambda: size(place.parent) > 5e6, "some wheels", 2 * TIMEOUT)
     interrupted.send_signal(signal.SIGINT)
     said, _ = interrupted.communicate(timeout=60)
     assert (interrupted.returncode, said) == (130, f"Interrupted. {install.AGAIN}\n")

@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 import pytest
-from programs import PATIENCE, until
+from programs import TIMEOUT, until
 
 from tutorial.ros.wheels import folder
 
@@ -49,7 +49,7 @@ def test_service_and_parameter(domain):
         try:
             assert robot.stdout.readline() == "ready\n"
             set_gain = ("param", "set", "/robot", "gain", "100.0")
-            until(lambda: "successful" in ros2(*set_gain), "the parameter", 2 * PATIENCE)
+            until(lambda: "successful" in ros2(*set_gain), "the parameter", 2 * TIMEOUT)
             assert "message='gain 100'" in ros2("service", "call", "/reset", "std_srvs/srv/Trigger")
         finally:
             robot.kill()

@@ -29,7 +29,7 @@ from tutorial.checks.engine.trial import Call, Trial
 from tutorial.checks.engine.verdict import Finding, wrong
 
 LOOK = 0.1  # [s] between two checks by the watchdog
-PATIENCE = 15  # checks; a call that is still running after this many is stuck
+TIMEOUT = 15  # checks; a call that is still running after this many is stuck
 BUDGET = 25  # checks; the limit for all calls of one method together
 HALT = 5.0  # [s]; if no check runs for this long, the watchdog itself is blocked
 
@@ -73,8 +73,8 @@ def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) 
         if trial.is_timed and not trial.is_interleaved:
             sums.update({call.method for call in running.values()})
         for ident, call in running.items():
-            if looks[call] > PATIENCE or sums[call.method] > BUDGET:
-                _give_up(report, trial, ident, call.method, looks[call] > PATIENCE)
+            if looks[call] > TIMEOUT or sums[call.method] > BUDGET:
+                _give_up(report, trial, ident, call.method, looks[call] > TIMEOUT)
     os.killpg(0, signal.SIGKILL)
 
 

@@ -64,7 +64,7 @@ class Publishing:
             Case("after unconfigure", lambda trial: self.play(trial, 0.1).leave()),
         ]
         tried = [*self._first(), *own, *(case for case in last if case.label not in labels)]
-        return Cases(solution, tried, [*self._mistakes(), *mistakes], meaning, say, on_ros=self.on_ros)
+        return Cases(solution, tried, [*self._mistakes(), *mistakes], meaning, describe, on_ros=self.on_ros)
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
@@ -240,6 +240,6 @@ def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
     return compared(pairs, "the simulated time", lambda ns: f"{ns / 1e9:g} s")
 
 
-def say(seen: Any) -> str:
+def describe(seen: Any) -> str:
     """Put an observation into words; for a mapping, only its keys."""
-    return "; ".join(map(say, seen)) if isinstance(seen, list | dict) else str(seen)
+    return "; ".join(map(describe, seen)) if isinstance(seen, list | dict) else str(seen)

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 
-PATIENCE = 10.0  # [s]; only an event that never happens takes this long
+TIMEOUT = 10.0  # [s]; only an event that never happens takes this long
 
 
 @contextmanager
@@ -44,7 +44,7 @@ def wait(condition: Callable[[], object], complaint: str) -> None:
     Raises:
         TutorialError: the condition stays false for too long; the complaint is the error's message.
     """
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     while not condition():
         if time.monotonic() > deadline:
             raise TutorialError(complaint)

@@ -24,7 +24,7 @@ def report(cases: Cases, answer: Any, seen: Observations, diagnosis: Diagnosis) 
     for each in seen.all:
         label, why = each.case.label, diagnosis.causes.get(each.case.label)
         if not each.is_odd:
-            yield right(f"{label}: {cases.say(each.value)}")
+            yield right(f"{label}: {cases.describe(each.value)}")
         elif why in (Why.CRASH, Why.EXCEPTION):
             yield finding_of(each.value, answer, cases.meaning_of(each.case) if why is Why.CRASH else None, label)
             return
@@ -65,5 +65,5 @@ def _cause(cases: Cases, answer: Any, seen: Observations, odd: Observation, why:
 def _wrong(cases: Cases, answer: Any, odd: Observation, cause: str, place: Place | None) -> Finding:
     if odd.failed:
         return finding_of(odd.value, answer, cause, odd.case.label)
-    text = f"{odd.case.label}: {cases.say(odd.value)}; expected: {cases.say(odd.expected)}"
+    text = f"{odd.case.label}: {cases.describe(odd.value)}; expected: {cases.describe(odd.expected)}"
     return wrong(text, cause, place)

@@ -21,7 +21,7 @@ from tutorial.checks.engine.trial import Trial
 from tutorial.controller import ControllerConfig
 from tutorial.handoff import CallQueue, ThreadGuard
 
-PATIENCE = 1.0  # [s]; a callback that takes longer is waiting for something
+TIMEOUT = 1.0  # [s]; a callback that takes longer is waiting for something
 
 KEY = "The first argument of call_latest is a key: self.call_latest(self.body.name, self.update, message)."
 SECONDS = "config.call_later takes no seconds. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
@@ -97,7 +97,7 @@ class Viewer:
         """Deliver a message on a separate thread, and wait until the callbacks have returned."""
         thread = threading.Thread(target=self.call_back, args=(message,), daemon=True)
         thread.start()
-        thread.join(PATIENCE)
+        thread.join(TIMEOUT)
         if thread.is_alive():
             name = self.trial.running[thread.ident or 0][-1].method
             raise Failure(name, Misuse("it waits", slept(name)), self.trial.noted.pop("sleep", None))

@@ -153,8 +153,8 @@ def _project_for(name: str) -> Project:
         if name in names:
             return project
         known |= names
-    mend = "Your class replaces the controller of the same name, so give it that name."
-    raise TutorialError(f"no step has a controller {name!r}.{did_you_mean(name, known)} {mend}")
+    fix = "Your class replaces the controller of the same name, so give it that name."
+    raise TutorialError(f"no step has a controller {name!r}.{did_you_mean(name, known)} {fix}")
 
 
 def _ask_git(setting: str) -> str:

@@ -13,7 +13,7 @@ from tutorial.notebook.widgets.cell_widget import CellWidget, NodeWidget, parse_
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.view.assets import read_static
 
-PATIENCE = 0.5
+TIMEOUT = 0.5
 """The sticks count as released after this time [s] without a message: the tab or the laptop may be closed."""
 
 
@@ -69,7 +69,7 @@ class Joystick(NodeWidget):
 
     def _now(self) -> _Sticks:
         held, received_at = self._held.get()
-        is_old = self._clock() - received_at >= PATIENCE
+        is_old = self._clock() - received_at >= TIMEOUT
         return _Sticks() if is_old or self.ended else held
 
     def _tick(self) -> None:

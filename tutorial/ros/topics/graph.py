@@ -21,13 +21,13 @@ READ_EVERY = 0.1  # [s] between two reads of the graph
 QUIET_READS = 5  # consecutive equal reads before the graph counts as known
 PATIENT_READS = 30  # the same for a real rclpy that may still discover more: see `_reads`
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
-PATIENCE = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
+TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
 DISCOVERY_TIMEOUT = 2.0  # [s] that a requested node or topic can take to appear
 TIMEOUT_ON_FAST_DDS = 6.0  # [s]
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 
 
-async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, patience: float = PATIENCE) -> bool:
+async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, timeout: float = TIMEOUT) -> bool:
     """Wait until every discovered participant has announced its entities and the graph has stopped changing.
 
     Other nodes of this process certainly exist, so wait for them, too: Fast DDS takes seconds to discover them. If the
@@ -36,7 +36,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
     Args:
         node: the node that queries the graph; its thread must spin.
         wanted: returns whether the requested entity is there; if not, wait a little longer.
-        patience: maximum wait [s].
+        timeout: maximum wait [s].
 
     Returns:
         Whether the graph is known.
@@ -51,7 +51,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
         done, waited = agreeing >= _reads(node, seen), time.monotonic() - began
         if done and (waited >= timeout or (_has_met_its_own(node) and wanted())):
             return True
-        if waited >= patience:
+        if waited >= timeout:
             _log.warning("nodes still come and go: this output may be incomplete")
             return False
         await asyncio.sleep(READ_EVERY)

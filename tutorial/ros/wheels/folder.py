@@ -87,7 +87,7 @@ def activate() -> None:
     """Let ``import rclpy`` find the folder's rclpy in this process, and keep its nodes on this machine.
 
     By default a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's tank.
-    `fastdds.xml` explains why Fast DDS needs settings. The user's own settings win. Child processes inherit all settings.
+    `fastdds.xml` explains Fast DDS's settings. A user's own settings win. Child processes inherit them all.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"

@@ -20,7 +20,7 @@ from rclpy.logging import muting, set_logger_level
 if TYPE_CHECKING:
     from rclpy.executors import SingleThreadedExecutor
 
-PATIENCE = 2.0
+TIMEOUT = 2.0
 """How long a shutdown waits for a running callback [s]."""
 
 NOT_VALID = "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
@@ -113,7 +113,7 @@ class Context:
         muting.discard(self)
         for reference in self._executors:
             if executor := reference():
-                executor.wait_until_stopped(PATIENCE)
+                executor.wait_until_stopped(TIMEOUT)
         with _domain.lock:
             graph, self._graph = self._graph, None
             if graph:
