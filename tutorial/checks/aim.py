@@ -20,7 +20,7 @@ Hint 3: q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref 
 self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in the end
 self.q_ref, self.q_prev = q_ref, q.
 
-Notice that the joint answers at once when you reverse the stick, because the reference stays within the range.
+Notice that the joint responds immediately when you reverse the stick, because the reference stays within the range.
 """
 
 from collections.abc import Callable, Iterator
@@ -168,7 +168,7 @@ CASES = [
     Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
     Case("full stick, a joint with a different range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
          "You probably hard-code the ends of the range. Read them from joint.range."),
-    Case("two joints in turns", two),
+    Case("two joints in turn", two),
 ]  # fmt: skip
 
 

@@ -196,7 +196,7 @@ class CameraRig(Rig):
 
 
 def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
-    """Observe whether each message holds the delivered picture in gray."""
+    """Observe whether each message contains the delivered picture in gray."""
     seen = [[*each.message.data] for each in sent]
     wanted = [pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for _, pixels in rig.delivered]
     return compared([*zip_longest(seen, wanted, fillvalue=[])], "the pictures in gray", word)

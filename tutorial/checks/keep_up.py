@@ -14,7 +14,7 @@ Hint 2: ControllerConfig has two ways to post. With one of them, a new call repl
 under the same key. The key says what the call is about. Everything else stays as in MyViewer.
 
 Hint 3: In configure keep config.call_latest instead of config.call_later. Its first argument is a key, which has to be
-the same for every message, for example the body's name. Then come the function and the message, as before.
+the same for every message, for example the body's name. The function and the message follow, as before.
 
 Notice what you lose: a replaced call never runs, so every message has to name all joints.
 """

@@ -179,7 +179,7 @@ CASES = [
          "You probably send how far the joint has moved, or a rounded "
          "or converted position. Send joint.position, unchanged."),
     Case("the joints of the tank", moved(SLEW, model="tank"), f"Most likely {ALL_JOINTS}"),
-    Case("two robots in turns", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
+    Case("two robots in turn", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
     Case("after a restart", lambda trial: PUBLISHING.restarted(trial, moves=(REST,), model="crane"),
          "You probably keep self.sent from the previous run, or wait for "
          "step 0. Create self.sent in initialize, which runs again."),

@@ -126,7 +126,7 @@ CASES = [
          "the same id. Keep the message itself, and use `is not`."),
     Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],
          "You probably count calls. A step can take any time: subtract seconds, seconds - self.since."),
-    Case("two robots in turns, message A at 0 s, B at 0.25 s, A and B at 0.75 s",
+    Case("two robots in turn, message A at 0 s, B at 0.25 s, A and B at 0.75 s",
          tried("A 0, B 0.25, A 0.75, B 0.75", objects=2)),
 ]  # fmt: skip
 

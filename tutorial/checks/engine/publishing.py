@@ -59,7 +59,7 @@ class Publishing:
         labels = {case.label for case in own}
         last = [
             Case("the stamp", self.stamps, self._stamp),
-            Case("two robots in turns", self.two, SHARED_BY_ROBOTS),
+            Case("two robots in turn", self.two, SHARED_BY_ROBOTS),
             Case("after a restart", self.restarted, RESTART),
             Case("after unconfigure", lambda trial: self.play(trial, 0.1).leave()),
         ]
