@@ -178,7 +178,7 @@ def test_a_minute_of_random_driving():
     model, data = drive.model, drive.world.data
     for _ in range(150):
         v, h = random.uniform(-1, 1, 2)
-        data.ctrl[:] = 2 * v - h, 2 * v + h, random.uniform(-20, 20), random.uniform(-3, 7)
+        data.ctrl[:4] = 2 * v - h, 2 * v + h, random.uniform(-20, 20), random.uniform(-3, 7)
         mujoco.mj_step(model, data, 400)
         x, y, z = drive.position
         assert abs(x) < 3

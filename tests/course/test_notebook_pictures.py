@@ -16,7 +16,7 @@ from notebook_pictures import WIDTH, draw, find_figures, keep_pictures, store, s
 from PIL import Image, ImageDraw
 
 import tutorial.notebook  # noqa: F401  (it defines the widgets)
-from tutorial.paths import HOME
+from tutorial.system.paths import HOME
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 LARGEST = 400_000  # bytes
