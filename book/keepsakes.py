@@ -18,7 +18,7 @@ WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageVie
 """Matches the beginning of a saved widget's text output."""
 
 LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this
-MOVED = 0.1  # [rad]; joints that have moved less look the same
+MOVED = 0.1  # [rad]; if joints have moved less, the picture looks the same
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
 BESIDE = "<p><em>In the notebook, there is {} beside it.</em></p>"
@@ -47,11 +47,11 @@ def keep(folder: Path) -> None:
 
 
 class _Kept:
-    """The displayed widgets, by number and, in a row, by place."""
+    """The displayed widgets, by number and by place in their row."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._parts: list[list[str]] = []  # of each number
+        self._parts: list[list[str]] = []  # the saved parts, by number and place
         self._programs: dict[Any, Any] = {}
         self._running: dict[Any, tuple[list[str], int, Any]] = {}
         self._telling: dict[Any, float] = {}
@@ -125,7 +125,7 @@ def _picture(picture: Any) -> str:
 
 
 def _image(view: Any) -> str:
-    """The newest picture of a topic, if there is one."""
+    """Return the newest image on a topic, if any."""
     pixels, fields = view.newest
     if not pixels:
         return ""
@@ -134,7 +134,7 @@ def _image(view: Any) -> str:
 
 
 def _telling_time(recorder: Any) -> float:
-    """When the joints were farthest from where they began [s], for a picture; the newest time, if they hardly moved."""
+    """Return the time [s] when the joints were farthest from their start; the newest time, if they hardly moved."""
     first = recorder._positions[0]
     best, farthest = recorder._times[-1], MOVED
     for time, positions in zip(recorder._times, recorder._positions):

@@ -68,8 +68,8 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
         "ServerApp.answer_yes": True,  # one Ctrl-C ends it
         "Application.log_level": "ERROR",
-        "LabApp.news_url": None,  # else it asks each learner whether to show its news
-        **({"KernelManager.transport_encryption": "auto"} if zmq.has("curve") else {}),  # else each kernel warns
+        "LabApp.news_url": None,  # otherwise it asks each learner whether to show its news
+        **({"KernelManager.transport_encryption": "auto"} if zmq.has("curve") else {}),  # otherwise each kernel warns
         **({} if in_hub else {"ServerApp.ip": "127.0.0.1"}),
     }
     program = "jupyterhub.singleuser" if in_hub else "jupyterlab"

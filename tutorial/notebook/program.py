@@ -182,10 +182,10 @@ class Program:
         bar.value, bar.bar_style = seconds, "success"
 
     def show_frames(self, *names: str) -> None:
-        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The key X does it, too.
+        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The key X does this, too.
 
         Args:
-            names: such as ``"odom"`` and ``"Tank/base_link"``; without any, all.
+            names: frames such as ``"odom"`` and ``"Tank/base_link"``; without names, all frames.
 
         Raises:
             TutorialError: there is no such frame, or the program was closed.

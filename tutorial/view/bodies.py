@@ -29,7 +29,7 @@ GRID = 10.0
 """Half the side of meshcat's grid [m]."""
 
 AXES = 0.3
-"""The length of a frame's axes, in terms of the robot's extent; and of those of `odom` [m]."""
+"""The length of a frame's axes, as a fraction of the robot's extent, and that of `odom`'s axes [m]."""
 
 FLOOR = int(mujoco.mjtGeom.mjGEOM_PLANE)
 
@@ -72,7 +72,7 @@ class View:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self._bodies: dict[str, _Drawn] = {}
-        self._frames: dict[str, str] = {}  # by name, the paths of their axes
+        self._frames: dict[str, str] = {}  # the paths of the axes, by frame name
         self._furnish()
 
     def add(self, name: str, model: mujoco.MjModel) -> None:
@@ -167,11 +167,11 @@ class View:
         """Draw the axes of these frames, and of no others.
 
         Args:
-            names: such as ``"odom"`` and ``"Tank/base_link"``; see `frame_names`.
+            names: frames such as ``"odom"`` and ``"Tank/base_link"``; see `frame_names`.
 
         Raises:
             TutorialError: there is no such frame.
-            WrongThreadError: called on another thread than the scene's.
+            WrongThreadError: the current thread is not the scene's.
         """
         for name in names:
             if name not in self._frames:
@@ -216,7 +216,7 @@ class View:
     def _draw(self, root: str, model: mujoco.MjModel, more: Collection[int]) -> tuple[dict[int, str], dict[int, str]]:
         """Draw the geoms, each below its MuJoCo body's path; return the paths of the bodies and of the geoms.
 
-        Those of the bodies in `more` are among them even if these have no geoms.
+        The paths of the bodies in `more` are included even if those have no geoms.
         """
         bodies = {body: f"{root}/{_label(model.body(body))}" for body in sorted(more)}
         geoms: dict[int, str] = {}
@@ -228,7 +228,7 @@ class View:
         return bodies, geoms
 
     def _draw_frame(self, path: str, frame: Frame, extent: float) -> None:
-        """Draw the axes of a frame below its body's path, and hide them. static/camera.js knows these paths, too."""
+        """Draw the axes of a frame below its body's path, and hide them. static/camera.js uses these paths, too."""
         own = self._frames[frame.name] = f"{path}/frames/{frame.name.replace('/', '.')}"
         self._set_object(f"{own}/axes", shapes.draw_axes(own, frame.name, AXES * extent, frame.pose, frame.label))
         self._set(own, "visible", False)

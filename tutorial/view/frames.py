@@ -1,4 +1,4 @@
-"""The frames of a robot that the view can draw axes for, by the names that they have on `/tf`.
+"""The frames of a robot whose axes the view can draw, with their names on `/tf`.
 
 They are the `base_link`, the links that joints move, and the optical frames of the cameras, with the names of the
 robot description (`tutorial.description.urdf`).
@@ -14,22 +14,22 @@ from tutorial.body import SHOWN_GROUPS
 from tutorial.description.poses import OPTICAL, Matrix, pose
 
 ODOM = "odom"
-"""The frame that stands still, with the origin of the world."""
+"""The stationary frame at the origin of the world."""
 
 FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 
 ROOT = 1
-"""MuJoCo's number of a robot's first body, which `base_link` is fixed to."""
+"""MuJoCo's id of a robot's first body, to which `base_link` is fixed."""
 
 
 class Frame(NamedTuple):
     """A frame that is fixed to a MuJoCo body.
 
     Attributes:
-        name: such as ``"Tank/base_link"``.
-        body: MuJoCo's number of the body.
-        pose: of the frame in the body, (4, 4) [m].
-        label: where the name is written, in lengths of the axes: names of near frames would overlap in one place.
+        name: the frame's name, such as ``"Tank/base_link"``.
+        body: MuJoCo's id of the body.
+        pose: the frame's pose in the body, (4, 4) [m].
+        label: the position of the name, in lengths of the axes, so that the names of nearby frames don't overlap.
     """
 
     name: str
@@ -42,8 +42,8 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
     """Yield the frames of a robot; nothing for a model without joints, such as a room.
 
     Args:
-        name: of the robot, which the names in the model begin with.
-        model: the robot's.
+        name: the robot's name, with which the names in the model begin.
+        model: the robot's model.
     """
     if not model.njnt:
         return
@@ -60,5 +60,5 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
 
 
 def _full(robot: str, name: str) -> str:
-    """Put the robot's name before that of a frame. A model that was not composed lacks it."""
+    """Return a frame's name with the robot's name before it, which is missing in a model that was not composed."""
     return name if name.startswith(f"{robot}/") else f"{robot}/{name}"

@@ -28,20 +28,20 @@ FRONT, BOTH = 0, 2
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 
 LABEL = 0.28
-"""The width of a frame's label, as a share of the distance to the camera."""
+"""The width of a frame's label, as a fraction of the distance to the camera."""
 
 THICKNESS = 0.02
-"""The radius of a frame's axes, in terms of their length."""
+"""The radius of a frame's axes, as a fraction of their length."""
 
 AXES = {
     "x": (turn((0.0, 1.0, 0.0), np.pi / 2), 0xE0241B),
     "y": (turn((1.0, 0.0, 0.0), -np.pi / 2), 0x1FA32C),
     "z": (np.eye(4), 0x2456E6),
 }
-"""What turns z into each axis, and the axis's colour as 0xRRGGBB."""
+"""The rotation from z to each axis, and the axis's colour as 0xRRGGBB."""
 
 ON_TOP = {"depthTest": False, "transparent": True}
-"""Of a material that nothing hides."""
+"""Settings of a material that nothing hides."""
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """In three.js the axis of a cylinder is y, in MuJoCo it is z."""
@@ -81,16 +81,16 @@ def draw_arrow(uuid: str, colour: int) -> Json:
 
 
 def draw_axes(uuid: str, name: str, length: float, place: Matrix, label: tuple[float, float, float]) -> Json:
-    """Write the axes of a frame as the object of a ``set_object`` command: x red, y green and z blue, as rviz2 does.
+    """Return a frame's axes as the object of a ``set_object`` command: x red, y green and z blue, as in rviz2.
 
-    Nothing hides them. The frame's name is written in letters that are equally large at any distance.
+    Nothing hides them. The letters of the frame's name look equally large at any distance.
 
     Args:
-        uuid: a name for the object that nothing else in the scene has.
-        name: of the frame.
-        length: of the axes [m].
-        place: of the frame, (4, 4) [m].
-        label: where the name is written in the frame, in lengths of the axes.
+        uuid: a unique name for the object.
+        name: the frame's name.
+        length: the length of the axes [m].
+        place: the frame's pose, (4, 4) [m].
+        label: the position of the name in the frame, in lengths of the axes.
     """
     bar = {"type": "CylinderGeometry", "radiusTop": THICKNESS * length, "radiusBottom": THICKNESS * length}
     materials, parts = [], []

@@ -81,7 +81,7 @@ def _slider(name: str, what: str) -> Any:
 
 
 def _row(name: str, slider: Any) -> HBox:
-    """Put a fault's name and what it does beside its slider, or below it where there is no room."""
+    """Put a fault's name and effect beside its slider, or below the slider if there is no room."""
     text = HTML(f"<b>{name}</b>: {FAULTS[name]}", layout=Layout(flex="1 1 14em"))
     return HBox([slider, text], layout=Layout(flex_flow="row wrap"))
 

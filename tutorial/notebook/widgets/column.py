@@ -9,7 +9,7 @@ class Column(VBox):  # type: ignore[misc]
     """Shows widgets one below the other, narrow enough to stand beside a view.
 
     Args:
-        widgets: what to show.
+        widgets: the widgets to show.
     """
 
     def __init__(self, widgets: Sequence[Widget]) -> None:
