@@ -139,8 +139,8 @@ function coloured(source) {
 }
 
 /**
- * The editor: a text, and the errors. The text itself is transparent; the visible copy behind it has colours and line
- * numbers. Both break long lines in the same places.
+ * The editor, and the errors. The text field is transparent; the visible copy behind it has colours and line numbers.
+ * Both break long lines in the same places.
  */
 class Editor {
   constructor(root, onInput) {

@@ -115,7 +115,7 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
 
 
 def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
-    """Name the curves below the plot, with their values as tooltips."""
+    """Write the curves' names below the plot, with their values as tooltips."""
     places = (
         (LEFT + i % PER_ROW * (RIGHT - LEFT) / PER_ROW, HEIGHT + i // PER_ROW * ROW) for i in range(MOST_CURVES + 1)
     )
