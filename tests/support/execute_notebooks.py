@@ -1,12 +1,7 @@
 """Run notebooks from the top and save their outputs: ``make notebooks``, after a change to one of them.
 
-<<<<<<< HEAD
-Only outputs are saved, so that git shows only real changes. A widget is saved as text and a picture, because there is
-no kernel to bring it to life when the notebook is opened again. Its figure is saved for the book.
-=======
 Only outputs are saved, so that git shows only real changes. A widget is saved as text and a picture, because no kernel
 brings it to life when the notebook is opened again. Its figure is saved for the book.
->>>>>>> 15297f63 (Word the texts about frames and saved widgets like the rest)
 """
 
 import asyncio
