@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FindCamera = Callable[["Body", str], Any]
 
-SHOWN_GROUPS = 3  # MuJoCo's convention: viewers show groups 0 to 2, and hide the others
+SHOWN_GROUPS = 3  # MuJoCo's convention: viewers hide groups 3 to 5
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 

@@ -31,13 +31,13 @@ class CallLatest(Protocol):
 
 @dataclass(frozen=True)
 class ControllerConfig:
-    """What a controller receives when it joins a body.
+    """The parts of its program that a controller receives when it joins a body.
 
     Attributes:
         body: the displayed body; it belongs to the main thread.
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
-        call_later: ``call_later(function, *args)``, from any thread: run the function on the main thread. Every call is
-            kept, in order. Calls that still wait when the controller leaves its body are dropped.
+        call_later: ``call_later(function, *args)``, from any thread: run the function on the main thread. No call is
+            lost, and their order stays. Calls that still wait when the controller leaves its body are dropped.
         call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
             key.
     """

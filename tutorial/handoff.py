@@ -171,7 +171,7 @@ class CallScope:
         self.closed = False
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Run ``function(*args)`` on the main thread. Every call is kept, in order. Any thread."""
+        """Run ``function(*args)`` on the main thread. No call is lost, and their order stays. Any thread."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
         self.queue._post(call, call)  # a unique key, so it replaces nothing

@@ -26,8 +26,8 @@ SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precisio
 SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 COUNT_EVERY = 10  # messages between two counts of the publishers
-SILENT_AFTER = 25  # messages in a row, per rival, after which the followed publisher counts as silent
-SHARED = 60  # jumps of a joint back to its position before last, after which it counts as shared
+SILENT_AFTER = 25  # messages in a row, per rival; then the followed publisher counts as silent
+SHARED = 60  # jumps of a joint back to its position before last; then two publishers share it
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -100,8 +100,8 @@ class JointReport(NamedTuple):
     short: int = 0  #: the number of names without a position
     long: int = 0  #: the number of positions without a name
     non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they did not move
-    huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to be shown; they did not move
-    outside: NameList = NameList()  #: joints whose position is outside their range; they are shown as received
+    huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to draw; they did not move
+    outside: NameList = NameList()  #: joints whose position is outside their range; the view shows them as received
     known: tuple[str, ...] = ()  #: the joints of the body, if a name was unknown
 
     @property
@@ -210,7 +210,7 @@ class _Publishers:
 
     With as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. Otherwise a
     message is a rival's if it is older than the last one, over 10 s newer, or makes a joint jump. Once a
-    single rival's position of that joint is known, only a jump to it counts. If publishers agree, all are shown.
+    single rival's position of that joint is known, only a jump to it counts. If publishers agree, it shows them all.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:

@@ -44,12 +44,12 @@ class Run:
 
     Attributes:
         thread: the thread.
-        is_own: whether the thread was made for the run, and ends with it.
+        is_own: whether the thread belongs to the run, and ends with it.
         controller: the controller that was called last and may still be running; None while MuJoCo steps.
         laps: a counter that goes up between two steps, when no controller is running.
         stopping: set to ask the run to end.
         finished: set when the run has ended or was abandoned.
-        abandoned: whether the run was given up. It must not touch the world any more.
+        abandoned: whether somebody gave the run up. It must not touch the world any more.
     """
 
     thread: threading.Thread
@@ -168,7 +168,7 @@ class SteppedWorld:
         """Call every controller, then let MuJoCo step, ``count`` times.
 
         Returns:
-            True after all steps; False if the run was asked to end earlier.
+            True after all steps; False if the run had to end earlier.
 
         Raises:
             ControllerError: a controller raised an exception.

@@ -1,4 +1,4 @@
-"""Records when and on which thread each message was received, posted and applied, to make the hand-off visible.
+"""Records when each message was received, posted and applied, and the threads, to make the hand-off visible.
 
 Without a trace, a program spends one attribute lookup per message and per call. A trace keeps only the newest handoffs,
 so it can stay switched on.
@@ -114,7 +114,7 @@ class HandoffTrace:
             self._current.message = outer
 
     def post(self) -> Handoff:
-        """Record that a call is posted, and return its handoff, on which to call `apply` or `supersede` later."""
+        """Record that a call is posted. Return its handoff; call `apply` or `supersede` on that later."""
         message: Handoff | None = getattr(self._current, "message", None)
         if message is not None and message.posted is None:
             message.posted = Moment.now()
@@ -126,7 +126,7 @@ class HandoffTrace:
         return another
 
     def handoffs(self) -> list[Handoff]:
-        """Return copies of the handoffs that are kept, in the order in which they began."""
+        """Return copies of the newest handoffs, in the order of their beginnings."""
         with self._lock:
             return [copy.copy(handoff) for handoff in self._kept]
 

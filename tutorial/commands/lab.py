@@ -25,7 +25,7 @@ BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
 
 
 def own_course() -> Path:
-    """Return the learner's course folder; if there is none, make one in the current directory.
+    """Return the learner's course folder; or make one in the current directory.
 
     Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
     version would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the

@@ -22,7 +22,7 @@ def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
     """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, as a ``<collision>`` if it can collide.
 
     Returns:
-        What URDF cannot express, such as ``"ellipsoid shapes"``; empty if the geom is complete.
+        Shapes that URDF cannot express, such as ``"ellipsoid shapes"``; empty if the geom is complete.
     """
     seen = is_seen(model, geom)
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]

@@ -121,7 +121,7 @@ class _Writer:
     def _place(self, number: int) -> Matrix | None:
         """Return a body's pose in its parent at rest; None if it moves freely, which joint states do not describe.
 
-        Poses are relative to the root, wherever that is in the world.
+        Poses are relative to the root, not to the world.
         """
         model = self.model
         place = pose(model.body_pos[number], model.body_quat[number])

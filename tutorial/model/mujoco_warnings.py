@@ -11,7 +11,7 @@ AFTER_WARNING = {
     " in CTRL at ": "All controls count as 0 until each is a number again.",
     " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
 }
-"""What MuJoCo does after a warning, which its text does not mention."""
+"""MuJoCo's reaction to a warning, which the warning's text omits."""
 
 IN_OTHER_WORDS = {
     "Attach conflict": "a model's file attaches another file whose options differ. They are not used.",

@@ -72,7 +72,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
 
 
 def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -> Iterator[str]:
-    """Set the options that have a value. Yield a description of each on which the models disagree."""
+    """Set the options that have a value. Yield a description of each contradiction."""
     for bit, name in enumerate(OPTIONS):
         said = {path: _value(spec, name) for path, spec in models.items() if spec.authored.option >> bit & 1}
         if name == "timestep" and time_step is not None:

@@ -35,7 +35,7 @@ PACKAGE = ("package", "model")
 
 
 def read_urdf(path: Path) -> mujoco.MjSpec | None:
-    """Read a robot description. Its visuals are shown, or its collision shapes if it has no visuals.
+    """Read a robot description. The view shows its visuals, or its collision shapes if it has no visuals.
 
     A mesh's address can begin with ``package://``. The package's folder is searched for by its name or its
     ``package.xml``, from the file's folder upwards, and by its name in AMENT_PREFIX_PATH.

@@ -15,7 +15,7 @@ LINES_KEPT = 100
 
 
 class LogLines(logging.Handler):
-    """Keeps log lines. If other threads printed them, they would appear below whichever cell was run last.
+    """Keeps log lines. If other threads printed them, they would appear below the cell that was run last.
 
     Attributes:
         lines: the newest lines, each with its time from `time.monotonic` [s]. Any thread can add lines at any time.
@@ -57,7 +57,7 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
 
 
 def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Return the object registered under a name; if there is none, make one as `keep` does."""
+    """Return the object registered under a name; or make one as `keep` does."""
     return _open[name][0] if name in _open else keep(name, make, close)
 
 

@@ -27,7 +27,7 @@ from tutorial.view.scene import Scene
 T = TypeVar("T")
 
 LONG_REST = 0.05  # [s] between two batches of steps while the page is gone, to save processor time
-REST_AFTER = 300.0  # [s] without a page, after which a running simulation is paused
+REST_AFTER = 300.0  # [s] without a page; then a running simulation is paused
 RESTS = "paused at %.1f s, after %d min without a page: start() resumes it"
 LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, when the user is thinking between two cells
 

@@ -13,7 +13,7 @@ def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseExce
     """Draw the bodies that have changed, and write the line below the view.
 
     Args:
-        view: the view, to which the bodies have been added.
+        view: the view, which already contains the bodies.
         items: the bodies by name.
         note: text at the start of the line; may be empty.
         error: the last error; None if there was none.

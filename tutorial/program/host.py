@@ -80,7 +80,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             clock = [ClockPublisher(self.node)] if project.clock else []
             for entry in project.bodies:  # messages arrive from now on, and wait until the loop runs
                 self._show(entry, project.time_step is not None)
-            # A project of robots alone is shown close up. With other bodies, such as a laboratory, it is shown whole.
+            # The view shows robots alone close up, and robots in a laboratory or the like from afar.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
                 view.look_at_bodies(*self._items)
             if project.time_step is not None:
@@ -168,7 +168,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         This also clears earlier errors, because they may have come from that body.
 
         Raises:
-            ControllerError: a controller does not return; the body is removed nevertheless.
+            ControllerError: a controller does not return; the body is still removed.
             TutorialError: there is no such body.
         """
         if name not in self._items:

@@ -14,7 +14,7 @@ from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and between two queries of the publishers
-STALE_AFTER = 1.0  # [s] without a new position, after which a joint is shown as stale
+STALE_AFTER = 1.0  # [s] without a new position; then the view marks a joint as stale
 CONTESTED_FOR = 2.0  # [s] how long the line below the view names a rival after its last message
 NAMED = 3  # stale joints or nodes; more are only counted
 LONGEST_NAME = 60  # characters of a node's name
@@ -95,7 +95,7 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Report whether no message has arrived, or none of the messages could be shown yet."""
+        """Report whether no message has arrived, or no message could be shown yet."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"no message on {topic} could be shown yet"

@@ -122,7 +122,7 @@ class Project:
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Return a project in which a body has these controllers instead of those that the file names.
+        """Return a project with these controllers for a body, instead of those that the file names.
 
         Args:
             body: the body's name.
@@ -140,10 +140,10 @@ class Project:
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Return a project in which a user's controllers replace those of the same names.
+        """Return a project with a user's controllers in place of those of the same names.
 
         Args:
-            classes: the classes by name. Base classes of the others may have any name.
+            classes: the classes by name. Base classes of other classes can have any name.
 
         Raises:
             TutorialError: the project has no controller of that name; the text suggests the nearest name.

@@ -9,8 +9,8 @@ from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
 FRAME = 1 / 30  # [s] between two frames of the view, and between two checks whether a run is over
-HUNG = 5.0  # [s] without a step, after which a run with a duration is stopped
-QUIET = 0.3  # [s] of silence after which no more messages are expected
+HUNG = 5.0  # [s] without a step; then a run with a duration is stopped
+QUIET = 0.3  # [s] of silence; then no more messages are expected
 
 _log = logging.getLogger(__name__)
 

@@ -26,7 +26,7 @@ UNSEEN = 1e-3
 
 @dataclass(frozen=True)
 class Style:
-    """How one kind of sensor is shown.
+    """The arrow and the text of one kind of sensor.
 
     Attributes:
         name, unit: the measured quantity and its unit.

@@ -46,7 +46,7 @@ def _end_with_the_teacher() -> None:
     """Wait until the teacher's process closes stdin or ends, and then end all processes here."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
-    os._exit(1)  # the sandbox's first process survives its own signal; when it exits, the others end
+    os._exit(1)  # the sandbox's first process survives its own signal; when it exits, all other processes end
 
 
 def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str]:

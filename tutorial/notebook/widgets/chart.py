@@ -60,7 +60,7 @@ def draw_plot(
 
 
 class _Axes(NamedTuple):
-    """The x and y ranges that are shown."""
+    """The visible x and y ranges."""
 
     x_range: Point
     y_range: Point

@@ -28,7 +28,7 @@ class TopicNews:
 
     Attributes:
         type_name: the type; several are joined by commas.
-        rate: messages per second [Hz], or None while unknown.
+        rate: messages per second [Hz]; None while unknown.
         publishers: full names of the nodes that publish, sorted.
         subscribers: full names of the nodes that subscribe, sorted.
     """

@@ -28,7 +28,7 @@ class ImageView(FrameWidget, NodeWidget):
         topic: a topic of type ``sensor_msgs/msg/Image``.
 
     Attributes:
-        newest: the frame that is shown. Its content is the image, row by row from the top without padding. Its fields
+        newest: the visible frame. Its content is the image, row by row from the top without padding. Its fields
             are ``width`` and ``height`` [px], the ``encoding``, and the ``line`` of text below the image. Without an
             image, ``line`` is the only field.
 

@@ -18,7 +18,7 @@ class Picture(CellWidget):
         name: the picture's subject, for the ``repr``.
 
     Attributes:
-        svg: the picture that is shown.
+        svg: the visible picture.
         alt: its description.
     """
 

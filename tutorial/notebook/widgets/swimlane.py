@@ -17,7 +17,7 @@ RADIUS = 4  # [px] radius of a dot
 
 
 def swimlane(program: Program, count: int = 8) -> Picture:
-    """Draw when a program's last messages were received, posted and applied, and on which thread.
+    """Draw when a program's last messages were received, posted and applied, with a lane for each thread.
 
     Args:
         program: the program.

@@ -33,7 +33,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Channel:
-    """What a bag stores about a topic besides its messages.
+    """A bag's data about a topic, besides its messages.
 
     Attributes:
         topic: its full name.

@@ -22,7 +22,7 @@ LONGEST_NAME = 255
 """Maximum length of a node name in ROS 2 [characters]; a topic name has at most 8 fewer."""
 
 EVERY_NODE_HAS = ("/rosout", "/parameter_events")
-"""Topics that exist wherever there is a node."""
+"""The topics of every node."""
 
 
 def full_name(name: str, namespace: str) -> str:
@@ -56,7 +56,7 @@ def full_topic(node: Node, topic: str) -> str:
 
     Args:
         node: the node.
-        topic: the name that a user typed, such as ``"joy"`` or ``"/joy"``.
+        topic: a user's name for it, such as ``"joy"`` or ``"/joy"``.
 
     Raises:
         TutorialError: the name breaks the rules; the message is that of ROS 2.

@@ -128,7 +128,7 @@ def last_line(output: str) -> str:
 
 
 def _downloads(target: Path) -> Path:
-    """Return the folder for downloads, which are kept until the target is complete."""
+    """Return the folder for downloads. They stay until the target is complete."""
     return target.with_name(f"{target.name}.downloads")
 
 

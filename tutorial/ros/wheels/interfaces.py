@@ -35,7 +35,7 @@ FOREIGN = ("AMENT_", "CMAKE_", "COLCON_", "DESTDIR", "LD_", "PYTHON")
 def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
     """Build an interface package, install it into the folder of the real ROS 2, and return its name.
 
-    Building a package again replaces it. Nothing is installed until the build is complete.
+    Building a package again replaces it. It installs only a complete build.
 
     Args:
         source: the package's folder.

@@ -69,7 +69,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Definition:
-    """One message type: its constants by name, and its fields as they are on the wire."""
+    """One message type: its constants by name, and its fields in the order of the wire."""
 
     type_name: str
     constants: dict[str, Any]

@@ -63,7 +63,7 @@ def init(
 
 
 def get_global_executor() -> Executor:
-    """Return the executor that is used when none is given."""
+    """Return the default executor."""
     global _executor  # noqa: PLW0603
     with _lock:
         if _executor is None:

@@ -44,7 +44,7 @@ class QoSPolicyEnum(_ShortKeys, IntEnum):
 
 
 class HistoryPolicy(QoSPolicyEnum):
-    """Which messages are stored until they are taken."""
+    """Which messages a queue keeps."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1

@@ -13,7 +13,7 @@ _lock = threading.RLock()  # reentrant, because a signal handler can run on the 
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
-    """Return the context that is used when none is given.
+    """Return the default context.
 
     Args:
         shutting_down: make the next call return a new context.
