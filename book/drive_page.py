@@ -35,8 +35,8 @@ PACKAGES = {
 """The npm packages, which are not in the repository, and the files that the page needs from them."""
 
 IDL = ("__init__", "_builder", "_machinery", "_main", "_support", "_type_helper", "_type_normalize", "types")
-CYCLONE = ("cyclonedds/qos.py", *(f"cyclonedds/idl/{name}.py" for name in IDL))
-"""The pure Python files of Cyclone DDS's package: its policies, and the codec that the pocket ROS 2 uses."""
+CYCLONE = [f"cyclonedds/idl/{name}.py" for name in IDL]
+"""The codec of Cyclone DDS's package, which the pocket ROS 2 uses."""
 
 LOCK = "pyodide-lock.json"
 """The list of packages that Pyodide can load; the page provides none of them."""

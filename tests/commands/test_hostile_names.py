@@ -32,21 +32,21 @@ def hostile(domain):
     from cyclonedds.idl import make_idl_struct
     from cyclonedds.pub import DataWriter
     from cyclonedds.topic import Topic
-    from rclpy._domain import join, leave
-    from rclpy._graph import _WRITER_QOS
-    from rclpy._wire import payload_type
+    from rclpy._cyclone import join, to_dds
+    from rclpy._graph import TOPIC, TYPE_NAME, WRITER_PROFILE
 
     participant = join(domain)
 
     def writer(topic, kind):
-        return DataWriter(participant, Topic(participant, topic, kind), _WRITER_QOS)
+        qos = to_dds(WRITER_PROFILE, TYPE_NAME, writer=True)
+        return DataWriter(participant.dds, Topic(participant.dds, topic, kind), qos)
 
     writers = [writer(f"rt{topic}", make_idl_struct("X", kind, {"data": str})) for topic, kind in TOPICS.items()]
     nodes = [NodeEntitiesInfo(node_namespace=space, node_name=name) for name, space in NODES]
     nodes[0].writer_gid_seq = [Gid(data=list(each.guid.bytes)) for each in writers]
-    announcement = ParticipantEntitiesInfo(gid=Gid(data=list(participant.guid.bytes)), node_entities_info_seq=nodes)
-    announcing = writer("ros_discovery_info", payload_type("rmw_dds_common/msg/ParticipantEntitiesInfo"))
-    announcing.write(announcing.topic.data_type(serialize_message(announcement)))
+    announcement = ParticipantEntitiesInfo(gid=Gid(data=list(participant.guid)), node_entities_info_seq=nodes)
+    announcing = participant.create_writer(TOPIC, TYPE_NAME, WRITER_PROFILE)
+    announcing.write(serialize_message(announcement))
     with NodeThread("joints") as thread:
         publisher, message = thread.node.create_publisher(JointState, JOINTS, 1), JointState(name=TEXTS)
         message.position = [0.1] * len(TEXTS)
@@ -57,7 +57,7 @@ def hostile(domain):
 
         thread.node.create_timer(0.1, publish)
         yield
-    leave(participant, domain)
+    participant.leave()
 
 
 @pytest.mark.parametrize(

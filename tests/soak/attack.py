@@ -19,16 +19,16 @@ os.environ["TUTORIAL_ROS"] = "pocket"
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from cyclonedds.pub import DataWriter
-from cyclonedds.qos import Policy, Qos
-from cyclonedds.topic import Topic
-from rclpy._domain import close, default_domain_id, join
-from rclpy._graph import _WRITER_QOS
-from rclpy._wire import encode, payload_type
+from rclpy._cyclone import Writer, join
+from rclpy._domain import default_domain_id
+from rclpy._graph import TOPIC, TYPE_NAME, WRITER_PROFILE
+from rclpy._wire import encode
+from rclpy.qos import QoSProfile
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from sensor_msgs.msg import JointState
 
-RELIABLE = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepLast(1))
+JOINT_STATE = "sensor_msgs/msg/JointState"
+PROFILE = QoSProfile(depth=1)
 PROCESSES = 8  # whose ports it tries
 
 TOPICS = ("rt/1abc", "rt/a/", "rt//x", "rt/", "rt/<b>x</b>", "rt/" + "x" * 200)
@@ -46,34 +46,29 @@ Step = Callable[[], object]
 """Sends once; it is called again and again."""
 
 
-def writer(topic: str, type_name: str, qos: Qos) -> DataWriter:
-    """Return a writer of arbitrary bytes."""
-    return DataWriter(participant, Topic(participant, topic, payload_type(type_name)), qos)
-
-
 def names() -> Step:
     """Create and remove nodes and topics with names that are not allowed."""
-    announcing = writer("ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo", _WRITER_QOS)
-    gid = Gid(data=list(participant.guid.bytes))
-    numbers, there = count(), list[DataWriter]()
+    announcing = participant.create_writer(TOPIC, TYPE_NAME, WRITER_PROFILE)
+    gid = Gid(data=list(participant.guid))
+    numbers, there = count(), list[Writer]()
 
     def step() -> None:
         number = next(numbers)
         nodes = [NodeEntitiesInfo(node_namespace="/", node_name=f"{name[:240]}{number}") for name in NODES]
         announcement = ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=nodes)
-        announcing.write(announcing.topic.data_type(encode(announcement)))
+        announcing.write(encode(announcement))
         for topic in TOPICS:
-            there.append(writer(f"{topic}{number}"[:240], "sensor_msgs/msg/JointState", RELIABLE))
+            there.append(participant.create_writer(f"{topic}{number}"[:240], JOINT_STATE, PROFILE))
         while len(there) > 100:
-            close(there.pop(0))
+            there.pop(0).close()
 
     return step
 
 
 def messages() -> Step:
     """Publish invalid joint states."""
-    publisher = writer("rt/Tank/joint_state", "sensor_msgs/msg/JointState", RELIABLE)
-    hostile = cycle([publisher.topic.data_type(encode(message)) for message in HOSTILE])
+    publisher = participant.create_writer("rt/Tank/joint_state", JOINT_STATE, PROFILE)
+    hostile = cycle([encode(message) for message in HOSTILE])
     return lambda: publisher.write(next(hostile))
 
 
@@ -82,10 +77,10 @@ def encapsulations() -> Step:
 
     Cyclone DDS cannot send these, so this makes the packets itself, in the name of a writer that Cyclone DDS announced.
     """
-    publisher = writer("rt/Tank/joint_state", "sensor_msgs/msg/JointState", RELIABLE)
-    while not publisher.get_publication_matched_status().current_count:
+    publisher = participant.create_writer("rt/Tank/joint_state", JOINT_STATE, PROFILE)
+    while not publisher.count_matched():
         time.sleep(0.05)
-    guid, domain, numbers = publisher.guid.bytes, default_domain_id(), count(1)
+    guid, domain, numbers = publisher.guid, default_domain_id(), count(1)
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def step() -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from cyclonedds import wires
 from pyodide.ffi import to_js
+from rclpy._middleware import wires
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import Joy

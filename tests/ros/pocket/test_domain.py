@@ -9,6 +9,7 @@ import pytest
 from cyclonedds.core import DDSException
 
 _domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use, and this test is for the pocket one")
+_cyclone = pytest.importorskip("rclpy._cyclone")
 
 REACH, PEERS = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"
 
@@ -57,7 +58,7 @@ def test_peers_do_not_matter_if_the_range_is_off(monkeypatch):
 def test_an_unknown_peer_is_named(peer, domain, monkeypatch):
     monkeypatch.setenv(PEERS, f"127.0.0.1;{peer}")
     with pytest.raises(RuntimeError) as raised:
-        _domain.join(domain)
+        _cyclone.join(domain)
     said = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found"
     assert str(raised.value).startswith(said)
     assert "separated by semicolons" in str(raised.value)
@@ -67,10 +68,10 @@ def test_loopback_down(domain, monkeypatch):
     def connect(self, address):
         raise OSError(errno.ENETUNREACH, "Network is unreachable")
 
-    monkeypatch.setattr(_domain, "Domain", Mock(side_effect=DDSException(-1)))
+    monkeypatch.setattr(_cyclone, "Domain", Mock(side_effect=DDSException(-1)))
     monkeypatch.setattr(socket.socket, "connect", connect)
     with pytest.raises(RuntimeError, match=rf"interface .* is down\. Turn it on: {_domain.TURN_ON_LOOPBACK}"):
-        _domain.join(domain)
+        _cyclone.join(domain)
 
 
 def test_too_many_processes_are_reported(domain, monkeypatch):
@@ -80,4 +81,4 @@ def test_too_many_processes_are_reported(domain, monkeypatch):
             taken = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
             taken.bind(("", port + 250 * domain))
         with pytest.raises(RuntimeError, match=r"too many ROS 2 programs .* machine \(1 is the limit here\)"):
-            _domain.join(domain)
+            _cyclone.join(domain)

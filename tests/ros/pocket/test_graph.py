@@ -4,7 +4,6 @@ import re
 from unittest.mock import Mock
 
 import pytest
-from rmw_dds_common.msg import ParticipantEntitiesInfo
 
 pytestmark = pytest.mark.pocket  # these test internals
 
@@ -12,19 +11,19 @@ pytestmark = pytest.mark.pocket  # these test internals
 @pytest.fixture
 def heard(stranger, node, spin_until):
     """A stranger that the node has discovered."""
-    spin_until(lambda: stranger.writer.get_publication_matched_status().current_count)
+    spin_until(lambda: stranger.writer.count_matched())
     return stranger
 
 
 def test_only_the_newest_of_many_announcements_is_decoded(node, heard, monkeypatch, spin_until):
     from rclpy import _graph
 
-    decode = Mock(wraps=_graph.decode)
-    monkeypatch.setattr(_graph, "decode", decode)
+    decode = Mock(wraps=_graph.decode_nodes)
+    monkeypatch.setattr(_graph, "decode_nodes", decode)
     for i in range(200):
         heard.announce(heard.listing(f"number_{i}"))
     spin_until(lambda: "number_199" in node.get_node_names())
-    decode.assert_called_once_with(heard.listing("number_199"), ParticipantEntitiesInfo)
+    decode.assert_called_once_with(heard.listing("number_199"))
 
 
 def test_reading_ends_although_announcements_keep_coming(node, heard, monkeypatch, spin_until):
@@ -34,9 +33,9 @@ def test_reading_ends_although_announcements_keep_coming(node, heard, monkeypatc
     graph = node.context.graph
     for i in range(20):
         heard.announce(heard.listing(f"number_{i}"))
-    assert len(graph._reader.read(20)) == 20
+    assert len(graph.changes.dds.read(20)) == 20
     graph.listen()
-    assert len(graph._reader.read(20)) == 12
+    assert len(graph.changes.dds.read(20)) == 12
     spin_until(lambda: "number_19" in node.get_node_names())
 
 
@@ -79,10 +78,10 @@ def test_ignored_announcements_are_reported_once(node, heard, names, said, spin_
 
 @pytest.mark.parametrize("version", ["12.0.1", "11.0.2"])
 def test_an_incompatible_cyclone_dds_is_refused_before_use(version, monkeypatch):
-    from rclpy import _graph
+    from rclpy import _cyclone
 
-    _graph._check_version()
-    _graph._check_version.cache_clear()
+    _cyclone._check_version()
+    _cyclone._check_version.cache_clear()
     monkeypatch.setattr("importlib.metadata.version", lambda _: version)
     with pytest.raises(RuntimeError, match=rf"installed version, {version}.* pip install cyclonedds==11\.0\.1$"):
-        _graph._check_version()
+        _cyclone._check_version()

@@ -208,6 +208,26 @@ def test_an_interrupt_is_raised_and_does_not_crash(start, rounds, seconds, turns
     assert (output, process.returncode) == ("whole\n", 0), errors
 
 
+@pytest.mark.pocket
+def test_shutdown_reads_no_freed_memory(start, monkeypatch):
+    monkeypatch.setenv("MALLOC_MMAP_THRESHOLD_", "1")  # glibc unmaps what is freed, so reading it is a crash
+    monkeypatch.setenv("MALLOC_MMAP_MAX_", "60000")
+    process = start("""
+import rclpy
+from std_msgs.msg import String
+rclpy.init()
+node = rclpy.create_node("ends")
+received = []
+subscription = node.create_subscription(String, "words", received.append, 1)
+node.create_publisher(String, "words", 1).publish(String())
+while not received:
+    rclpy.spin_once(node)
+rclpy.shutdown()
+""")
+    _, errors = process.communicate(timeout=60)
+    assert (errors, process.returncode) == ("", 0)
+
+
 def test_log_configuration(start):
     """It needs a new process, because a real ROS 2 configures its logs once per process, and fails only then."""
     process = start("""

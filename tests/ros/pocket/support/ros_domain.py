@@ -54,9 +54,9 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 @pytest.fixture
 def stranger(domain: int) -> Iterator[Any]:
     """A `Stranger` in the test's domain, for tests of the pocket ROS 2."""
-    from rclpy._domain import join, leave
+    from rclpy._cyclone import join
     from stranger import Stranger
 
     participant = join(domain)
     yield Stranger(participant)
-    leave(participant, domain)
+    participant.leave()

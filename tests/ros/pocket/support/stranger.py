@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from rclpy._graph import _WRITER_QOS, DataWriter, Topic, payload_type
+from rclpy._graph import TOPIC, TYPE_NAME, WRITER_PROFILE
 from rclpy.serialization import serialize_message
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
@@ -11,9 +11,8 @@ class Stranger:
     """A foreign program in the domain: only a participant, which can announce arbitrary nodes."""
 
     def __init__(self, participant: Any) -> None:
-        self._payload = payload_type(ParticipantEntitiesInfo._definition.type_name)
-        self._gid = Gid(data=list(participant.guid.bytes))
-        self.writer = DataWriter(participant, Topic(participant, "ros_discovery_info", self._payload), _WRITER_QOS)
+        self._gid = Gid(data=list(participant.guid))
+        self.writer = participant.create_writer(TOPIC, TYPE_NAME, WRITER_PROFILE)
 
     def listing(self, *names: str, writers: int = 0) -> bytes:
         """Return an announcement of nodes, each with some publishers that do not exist."""
@@ -23,4 +22,4 @@ class Stranger:
 
     def announce(self, data: bytes) -> None:
         """Send bytes as an announcement."""
-        self.writer.write(self._payload(data))
+        self.writer.write(data)

@@ -14,14 +14,6 @@ from _rosidl import finder
 finder.install()
 _absent_packages.install()
 
-try:
-    import cyclonedds as _cyclonedds  # noqa: F401
-except ImportError as error:
-    raise ImportError(
-        "The pocket ROS 2 needs the package cyclonedds, which is not installed. If pip finds none (Linux on ARM), "
-        "use a real ROS 2 Jazzy: https://docs.ros.org/en/jazzy/Installation.html"
-    ) from error
-
 from rclpy import _absent, logging, utilities  # noqa: E402, F401
 from rclpy._domain import lock as _lock  # noqa: E402
 from rclpy.context import Context  # noqa: E402

@@ -1,4 +1,4 @@
-"""Join a DDS domain, with limits on who can discover this process.
+"""The DDS domain to join, with limits on who can discover this process.
 
 By default nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
 """
@@ -8,36 +8,22 @@ import os
 import socket
 import sys
 import threading
-from collections import Counter
 from xml.sax.saxutils import quoteattr
 
-from cyclonedds.core import DDSException, Entity
-from cyclonedds.domain import Domain, DomainParticipant
-from cyclonedds.internal import DDS
-from cyclonedds.qos import Policy, Qos
 from rclpy._rclpy_pybind11 import RCLError
 
 REACHES = ("OFF", "LOCALHOST", "SUBNET", "SYSTEM_DEFAULT")
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
-FATAL_AND_ERROR = 3
-"""Kinds of messages that Cyclone DDS may print. Each malformed packet causes a warning, which its configuration cannot
-turn off. Warnings about the configuration itself are printed before this setting takes effect."""
 
 LOOPBACK = ("127.0.0.1", 9)
 TURN_ON_LOOPBACK = "sudo ifconfig lo0 up" if sys.platform == "darwin" else "sudo ip link set lo up"
 UNREACHABLE = (errno.ENETUNREACH, errno.ENETDOWN, errno.EADDRNOTAVAIL)
 
-_domains: dict[int, Domain] = {}
-_users: Counter[int] = Counter()
-
 lock = threading.RLock()
-"""Hold this to make, list or delete a DDS entity: Cyclone DDS's Python package cannot handle one thread deleting an
-entity that another thread uses to make something."""
-
-
-_forked = False
-"""Whether this process was forked from one that took part in a domain."""
+"""Hold this to make, list or delete an entity of the middleware: Cyclone DDS's Python package cannot handle one thread
+deleting an entity that another thread uses to make something. A fork waits for it, so that the child finds no entity
+half made."""
 
 
 def default_domain_id() -> int:
@@ -100,33 +86,8 @@ def _discovery(reach: str, peers: list[str]) -> str:
     return f"<ParticipantIndex>auto</ParticipantIndex>{limit}<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
 
 
-def join(domain_id: int) -> DomainParticipant:
-    """Join a domain. All participants of a process share its configuration and ports.
-
-    Raises:
-        RCLError: too many processes on this machine have joined, the loopback interface is down, Cyclone DDS cannot
-            start, or this process was forked from one that had joined.
-    """
-    if _forked:
-        raise RCLError(
-            "failed to create a participant: this process was made by os.fork() from one that has nodes. Start it "
-            "with subprocess, or with multiprocessing's method 'spawn'."
-        )
-    with lock:
-        try:
-            if domain_id not in _domains:
-                _domains[domain_id] = Domain(domain_id, configuration())
-                DDS._dll_handle.dds_set_log_mask(FATAL_AND_ERROR)
-            participant = DomainParticipant(domain_id, Qos(Policy.Userdata(b"enclave=/;")))
-        except DDSException as error:
-            _close_if_unused(domain_id)
-            raise RCLError(f"failed to create a participant in domain {domain_id}: {_cause(error)}") from error
-        _users[domain_id] += 1
-        return participant
-
-
-def _cause(error: DDSException) -> str:
-    """Return the most likely cause of an error: Cyclone DDS itself only gives a number."""
+def likely_cause(error: Exception) -> str:
+    """Return the most likely cause of an error on joining: Cyclone DDS itself only gives a number."""
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (
@@ -144,39 +105,4 @@ def _loopback_is_up() -> bool:
     return True
 
 
-def leave(participant: DomainParticipant, domain_id: int) -> None:
-    """Close a participant and its entities. If it is the process's last one, also free ports and threads."""
-    with lock:
-        close(participant)
-        _users[domain_id] -= 1
-        _close_if_unused(domain_id)
-
-
-def close(entity: Entity) -> None:
-    """Delete an entity now.
-
-    Cyclone DDS's Python objects do this in their finaliser, which is safe to run early and more than once. Without this
-    call it would run only when the last reference is gone.
-    """
-    with lock:
-        entity.__del__()
-
-
-def _close_if_unused(domain_id: int) -> None:
-    if not _users[domain_id] and (domain := _domains.pop(domain_id, None)):
-        close(domain)
-
-
-def _forget() -> None:
-    """Drop all DDS entities in a newly forked process, without calls into DDS: they would wait for missing threads."""
-    global _forked  # noqa: PLW0603
-    _forked = _forked or bool(_domains)
-    for entity in list(Entity._entities.values()):
-        entity._ref = 0  # no entity, so every call fails, and the finaliser does nothing
-    Entity._entities.clear()
-    _domains.clear()
-    _users.clear()
-    lock.release()
-
-
-os.register_at_fork(before=lock.acquire, after_in_parent=lock.release, after_in_child=_forget)
+os.register_at_fork(before=lock.acquire, after_in_parent=lock.release, after_in_child=lock.release)

@@ -1,19 +1,15 @@
-"""The common base of publishers and subscriptions: an endpoint in DDS."""
+"""The common base of publishers and subscriptions: an endpoint on the wire."""
 
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from _rosidl.message import Message
-from cyclonedds.core import DDSException
-from cyclonedds.pub import DataWriter
-from cyclonedds.sub import DataReader
-from cyclonedds.topic import Topic
-from rclpy._domain import close, lock
-from rclpy._endpoint_qos import INCOMPATIBLE_TYPE, POLICY_NAMES, to_dds
+from rclpy._domain import lock
+from rclpy._middleware import TransportError
 from rclpy._rclpy_pybind11 import Destroyable, InvalidHandle, RCLError
-from rclpy._wire import payload_type
+from rclpy._transport import Participant, Reader, Writer
 from rclpy.qos import QoSProfile
 
 if TYPE_CHECKING:
@@ -30,17 +26,11 @@ class Endpoint(Destroyable):
         qos_profile: its QoS.
 
     Attributes:
-        event_sources: DDS entities whose events wake the executor: incompatible partners, and messages.
-        guid: its identifier in DDS.
+        guid: its identifier on the wire.
     """
 
-    _kind: type[DataWriter[Any] | DataReader[Any]]
     _noun: str
     """The endpoint's name in log lines, also for a program's own subclass."""
-    _incompatible: int
-    """Cyclone DDS's status of an incompatible partner."""
-    _get_incompatible: str
-    """Name of the method that returns details about this status."""
     _warning: str
 
     def __init__(self, node: Node, msg_type: type[Message], topic: str, qos_profile: QoSProfile) -> None:
@@ -49,15 +39,15 @@ class Endpoint(Destroyable):
         self.topic = topic
         self._topic_name = node.resolve_topic_name(topic)
         self.qos_profile = qos_profile
-        qos = to_dds(qos_profile, msg_type, writer=self._kind is DataWriter)
         prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
-        with lock:
+        with lock:  # a shutdown waits meanwhile
             participant = node.context.graph.participant
-            self._topic = Topic(participant, prefix + self._topic_name, payload_type(msg_type._definition.type_name))
-            self._dds: Any = self._kind(participant, self._topic, qos)
-            self._dds.set_status_mask(self._incompatible)
-        self.event_sources: list[Any] = [self._dds]
-        self.guid: bytes = self._dds.guid.bytes
+            self._wire = self._create(participant, prefix + self._topic_name, msg_type._definition.type_name)
+        self.guid = self._wire.guid
+
+    def _create(self, participant: Participant, topic_name: str, type_name: str) -> Writer | Reader:
+        """Create the writer or reader."""
+        raise NotImplementedError
 
     @property
     def topic_name(self) -> str:
@@ -79,30 +69,27 @@ class Endpoint(Destroyable):
             )
 
     def close(self) -> None:
-        """Delete the DDS entities. Called by the node."""
+        """Delete the writer or reader. Called by the node."""
         self._destroyed = True
-        close(self._dds)
-        close(self._topic)
+        self._wire.close()
 
     def report_events(self) -> None:
         """Log an incompatible partner. Called by the executor."""
-        with suppress(DDSException):  # the endpoint may be destroyed in the meantime
-            if not self._dds.take_status(self._incompatible):
+        with suppress(TransportError):  # the endpoint may be destroyed in the meantime
+            if not (policy := self._wire.take_incompatible()):
                 return
-            policy = getattr(self._dds, self._get_incompatible)().last_policy_id
-            if policy == INCOMPATIBLE_TYPE:
+            if policy == "TYPE":
                 text = f"Incompatible type on topic '{self.topic}', no messages will be sent to it."
             else:
-                name = POLICY_NAMES.get(policy, "INVALID")
-                text = f"{self._warning.format(topic=self.topic)} Last incompatible policy: {name}"
+                text = f"{self._warning.format(topic=self.topic)} Last incompatible policy: {policy}"
             self._node.get_logger().warning(text)
 
-    def _count_matched(self, status: str, what: str) -> int:
-        """Return the number of matched partners. ``status`` is the name of a method of Cyclone DDS."""
+    def _count_matched(self, what: str) -> int:
+        """Return the number of matched partners; ``what`` they are is for an error message."""
         self._require_handle()
         try:
-            return int(getattr(self._dds, status)().current_count)
-        except DDSException as error:
+            return self._wire.count_matched()
+        except TransportError as error:
             raise self._explain(error, f"failed to get {what} count") from None
 
     def _require_context(self, what: str) -> None:
@@ -112,8 +99,8 @@ class Endpoint(Destroyable):
     def _without_context(self, what: str) -> RCLError:
         return RCLError(f"{what}: {self._noun}'s context is invalid")
 
-    def _explain(self, error: DDSException, what: str) -> RuntimeError:
-        """Return the exception that rclpy raises instead of Cyclone DDS's error."""
+    def _explain(self, error: TransportError, what: str) -> RuntimeError:
+        """Return the exception that rclpy raises instead of the middleware's error."""
         if self._destroyed:
             return InvalidHandle()
         if not self._node.context.ok():

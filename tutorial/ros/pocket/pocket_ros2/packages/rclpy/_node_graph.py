@@ -2,16 +2,16 @@
 
 import re
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from cyclonedds.core import DDSException
-from cyclonedds.qos import Policy
-from rclpy._endpoint_qos import from_dds
-from rclpy._graph import PUBLISHERS, SUBSCRIPTIONS, DiscoveredEndpoint, Graph
+from rclpy._graph import Graph
+from rclpy._middleware import TransportError
 from rclpy._node_names import NodeNames
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
+from rclpy._transport import PUBLISHERS, SUBSCRIPTIONS, EndpointInfo, NodeInfo
 from rclpy.context import Context
-from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+from rclpy.topic_endpoint_info import TopicEndpointTypeEnum as Kind
 from rclpy.type_hash import TypeHash
 
 Answer = TypeVar("Answer")
@@ -71,45 +71,44 @@ class NodeGraph(NodeNames):
         """Return information about each subscription on a topic, as for publishers."""
         return self._infos(SUBSCRIPTIONS, topic_name, no_mangle)
 
-    def _endpoints(self, kind: Any, wire_topic: str | None = None) -> list[DiscoveredEndpoint]:
-        return self._ask(lambda graph: graph.endpoints(kind, wire_topic))
+    def _endpoints(self, kind: Kind, wire_topic: str | None = None) -> list[EndpointInfo]:
+        return self._ask(lambda graph: graph.participant.endpoints(kind, wire_topic))
 
     def _ask(self, question: Callable[[Graph], Answer]) -> Answer:
         self._require_handle()
         try:
             return question(self._context.graph)
-        except DDSException as error:  # the context is shutting down
+        except TransportError as error:  # the context is shutting down
             raise RCLError(f"failed to query the node graph: {error}") from None
 
-    def _topics_of(self, who: tuple[str, str], kind: Any, no_demangle: bool) -> list[tuple[str, list[str]]]:
+    def _topics_of(self, who: tuple[str, str], kind: Kind, no_demangle: bool) -> list[tuple[str, list[str]]]:
         if who not in self.get_node_names_and_namespaces():
             raise NodeNameNonExistentError(f"cannot get names and types: there is no node {who[0]!r} in {who[1]!r}")
         owners = self._ask(Graph.owners)
         own = {gid for gid, node in owners.items() if (node.node_name, node.node_namespace) == who}
         return _by_topic([endpoint for endpoint in self._endpoints(kind) if endpoint.guid in own], no_demangle)
 
-    def _infos(self, kind: Any, topic_name: str, no_mangle: bool) -> list[TopicEndpointInfo]:
+    def _infos(self, kind: Kind, topic_name: str, no_mangle: bool) -> list[TopicEndpointInfo]:
         wire_topic = topic_name if no_mangle else f"rt{self._remapped(self._expanded(topic_name))}"
-        endpoints = self._ask(lambda graph: graph.endpoints(kind, wire_topic, full=True))
+        endpoints = self._ask(lambda graph: graph.participant.endpoints(kind, wire_topic, full=True))
         owners = self._ask(Graph.owners) if endpoints else {}
-        return [_info(endpoint, kind, owners.get(endpoint.guid)) for endpoint in endpoints]
+        return [_info(endpoint, owners.get(endpoint.guid)) for endpoint in endpoints]
 
 
-def _info(endpoint: DiscoveredEndpoint, kind: Any, owner: Any) -> TopicEndpointInfo:
-    userdata = endpoint.qos[Policy.Userdata].data if Policy.Userdata in endpoint.qos else b""
-    found = re.search(rb"typehash=RIHS(\d\d)_([0-9a-f]{64});", userdata)
+def _info(endpoint: EndpointInfo, owner: NodeInfo | None) -> TopicEndpointInfo:
+    version, _, value = endpoint.type_hash.removeprefix("RIHS").partition("_")
     return TopicEndpointInfo(
         node_name=owner.node_name if owner else "_NODE_NAME_UNKNOWN_",
         node_namespace=owner.node_namespace if owner else "_NODE_NAMESPACE_UNKNOWN_",
         topic_type=_type_name(endpoint),
-        topic_type_hash=TypeHash(int(found[1]), bytes.fromhex(found[2].decode())) if found else TypeHash(),
-        endpoint_type=TopicEndpointTypeEnum.PUBLISHER if kind is PUBLISHERS else TopicEndpointTypeEnum.SUBSCRIPTION,
+        topic_type_hash=TypeHash(int(version), bytes.fromhex(value)) if version else TypeHash(),
+        endpoint_type=endpoint.kind,
         endpoint_gid=list(endpoint.guid),
-        qos_profile=from_dds(endpoint.qos),
+        qos_profile=endpoint.qos,
     )
 
 
-def _by_topic(endpoints: list[DiscoveredEndpoint], no_demangle: bool) -> list[tuple[str, list[str]]]:
+def _by_topic(endpoints: list[EndpointInfo], no_demangle: bool) -> list[tuple[str, list[str]]]:
     topics: dict[str, set[str]] = {}
     for endpoint in endpoints:
         if no_demangle:
@@ -119,6 +118,6 @@ def _by_topic(endpoints: list[DiscoveredEndpoint], no_demangle: bool) -> list[tu
     return [(topic, sorted(types)) for topic, types in sorted(topics.items())]
 
 
-def _type_name(endpoint: DiscoveredEndpoint) -> str:
+def _type_name(endpoint: EndpointInfo) -> str:
     """Return a type's name in ROS 2: ``"sensor_msgs/msg/Joy"`` for ``"sensor_msgs::msg::dds_::Joy_"``."""
     return re.sub(r"dds_::(.*)_$", r"\1", endpoint.type_name).replace("::", "/")

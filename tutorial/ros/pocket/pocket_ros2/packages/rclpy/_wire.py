@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import threading
 from functools import cache
-from typing import Any, ClassVar, Self, cast
+from typing import Any, cast
 
-import msgspec
 from _rosidl import cdr, values
 from _rosidl.definitions import Cardinality, Field, definition
 from _rosidl.message import Message
 from cyclonedds.idl import make_idl_struct, types
-from cyclonedds.internal import SampleInfo
 from rclpy._rclpy_pybind11 import RCLError
 
 PRIMITIVES: dict[str, Any] = {name: getattr(types, name) for name, of in values.PRIMITIVES.items() if of.code}
@@ -23,39 +21,6 @@ PRIMITIVES |= {"bool": bool, "string": str, "byte": types.array[types.uint8, 1]}
 """Cyclone DDS's types for the primitives. rclpy's byte is a ``bytes`` of length 1, here declared as a uint8 array."""
 
 _lock = threading.RLock()
-
-
-class Payload:
-    """CDR bytes on their way into or out of Cyclone DDS, which handles this class like one of its own structs.
-
-    A received message is therefore decoded only where it is needed, on any thread, and a malformed one does not affect
-    the messages after it.
-    """
-
-    __slots__ = ("data", "sample_info")
-
-    __idl__: ClassVar[Any]
-    __idl_typename__: ClassVar[str]
-    sample_info: Any
-
-    def __init__(self, data: bytes) -> None:
-        self.data = data
-
-    def serialize(self, use_version_2: bool | None = None) -> bytes:  # noqa: ARG002
-        """Return the bytes for Cyclone DDS to send."""
-        return self.data
-
-    @classmethod
-    def deserialize(cls, data: bytes) -> Self:
-        """Wrap the bytes that Cyclone DDS has received."""
-        return cls(data)
-
-    deserialize_key = deserialize
-
-
-SampleInfo.__new__ = staticmethod(msgspec.defstruct("SampleInfo", ["python_class", *SampleInfo.__match_args__]))
-# Replaced by a constructor in C. Cyclone DDS's C code makes one for each sample, and crashes if that raises, as a
-# Python method does when Ctrl-C interrupts it.
 
 
 def check_message_type(message_type: Any) -> None:
@@ -80,7 +45,7 @@ def encode(message: Message) -> bytes:
         TypeError: any other field holds a value that does not fit its type.
     """
     try:
-        return cast(bytes, _wire_type(message._definition.type_name, bytes).__idl__.serialize(message))
+        return cast(bytes, wire_type(message._definition.type_name, bytes).__idl__.serialize(message))
     except Exception as error:
         causes = [str(error)]
         while error.__cause__ is not None:
@@ -105,14 +70,6 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
         ) from error
 
 
-@cache
-def payload_type(type_name: str) -> type[Payload]:
-    """Return the payload class for topics of a message type, such as ``"sensor_msgs/msg/Joy"``."""
-    wire_type = _wire_type(type_name, types.sequence[types.uint8])
-    identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
-    return type(f"{wire_type.__name__}Payload", (Payload,), identity)
-
-
 def wire_name(type_name: str) -> str:
     """Return the type's name on the wire: ``"sensor_msgs::msg::dds_::Joy_"`` for ``"sensor_msgs/msg/Joy"``."""
     package, _, name = type_name.split("/")
@@ -120,7 +77,7 @@ def wire_name(type_name: str) -> str:
 
 
 @cache
-def _wire_type(type_name: str, octets: Any) -> Any:
+def wire_type(type_name: str, octets: Any) -> Any:
     """Return Cyclone DDS's struct for a message type. Two threads that need it at the same time may each make one.
 
     Args:
@@ -131,13 +88,13 @@ def _wire_type(type_name: str, octets: Any) -> Any:
     with _lock:  # make_idl_struct keeps a global stack of scopes
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}
         typename = wire_name(type_name)
-        wire_type = make_idl_struct(typename.rpartition("::")[2], typename, fields, dataclassify=False)
-        wire_type.__idl__.populate()
-        return wire_type
+        made = make_idl_struct(typename.rpartition("::")[2], typename, fields, dataclassify=False)
+        made.__idl__.populate()
+        return made
 
 
 def _idl_type(field: Field, octets: Any) -> Any:
-    base = _wire_type(field.base, octets) if field.is_message else PRIMITIVES[field.base]
+    base = wire_type(field.base, octets) if field.is_message else PRIMITIVES[field.base]
     if field.string_bound:
         base = types.bounded_str[field.string_bound]
     if field.cardinality is Cardinality.ARRAY:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Self
 from rclpy import _domain
 from rclpy._arguments import Arguments
 from rclpy._graph import Graph
+from rclpy._middleware import join
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.logging import muting, set_logger_level
 
@@ -117,7 +118,7 @@ class Context:
         with _domain.lock:
             graph, self._graph = self._graph, None
             if graph:
-                _domain.leave(graph.participant, self._domain_id)
+                graph.participant.leave()
             callbacks, self._callbacks = self._callbacks if was_ok else [], []
         for held in callbacks:
             if callback := held():
@@ -171,7 +172,7 @@ class Context:
             if not self._ok:
                 raise RCLError(NOT_VALID)
             if self._graph is None:
-                self._graph = Graph(_domain.join(self._domain_id))
+                self._graph = Graph(join(self._domain_id))
             return self._graph
 
     def __enter__(self) -> Self:

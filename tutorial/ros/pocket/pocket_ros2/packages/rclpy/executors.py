@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
-from cyclonedds.core import DDSException, Entity, GuardCondition, WaitSet
-from cyclonedds.internal import dds_c_t
-from rclpy._domain import close, lock
+from rclpy._domain import lock
 from rclpy._endpoint import Endpoint
+from rclpy._middleware import TransportError
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.context import NOT_VALID
 from rclpy.subscription import Subscription
@@ -26,10 +25,10 @@ if TYPE_CHECKING:
     from rclpy.task import Future
 
 LONGEST_WAIT = 0.1
-"""Maximum time for one wait within Cyclone DDS [s]: Python handles Ctrl-C only between calls into C."""
+"""Maximum time for one wait within the middleware [s]: Python handles Ctrl-C only between calls into C."""
 
 FEW = 6
-"""Up to this many endpoints, polling each for a message is faster than asking Cyclone DDS which ones have one."""
+"""Up to this many endpoints, polling each for a message is faster than asking the middleware which ones have one."""
 
 
 class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
@@ -50,14 +49,13 @@ class SingleThreadedExecutor:
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = context or get_default_context()
-        with lock:
-            self._guard = GuardCondition(self._context.graph.participant)
-        self._wait_set: WaitSet | None = None
+        with lock:  # a shutdown waits meanwhile
+            self._waiter = self._context.graph.participant.create_waiter()
         self._nodes: tuple[Node, ...] = ()
         self._timers: list[Timer] = []
         self._guards: list[NodeGuardCondition] = []
         self._endpoints: list[Endpoint] = []
-        self._waited_for: list[Subscription | None] = []
+        self._subscriptions: list[Subscription] = []
         self._ready: Iterator[Subscription | Timer | NodeGuardCondition] = iter(())
         self._outdated = True
         self._is_shutdown = False
@@ -94,8 +92,8 @@ class SingleThreadedExecutor:
     def wake(self) -> None:
         """Wake the executor because something was added or removed, or because it has to stop."""
         self._outdated = True
-        with suppress(DDSException):  # the context may be closing
-            self._guard.set(True)
+        with suppress(TransportError):  # the context may be closing
+            self._waiter.wake()
 
     def spin(self) -> None:
         """Run callbacks until the executor is shut down.
@@ -170,7 +168,7 @@ class SingleThreadedExecutor:
             if self._outdated:
                 self._look_around()
             if len(self._endpoints) <= FEW:
-                self._ready = iter((*self._timers, *self._guards, *filter(None, self._waited_for)))
+                self._ready = iter((*self._timers, *self._guards, *self._subscriptions))
                 if self._run_ready():
                     return
             left = deadline - time.monotonic()
@@ -192,61 +190,43 @@ class SingleThreadedExecutor:
         In each round, every ready entity gets one turn, so that a busy topic does not delay the rest. Entities that are
         not ready are not checked, which matters to a node with a hundred subscriptions.
         """
-        if self._wait_set is None:
-            return
         waits = [timer.wait_time() for timer in self._timers] + [guard.wait_time() for guard in self._guards]
         timeout = max(0.0, min([timeout, *waits]))
-        keys = (dds_c_t.attach * len(self._waited_for))()
-        count = self._wait_set._waitset_wait(self._wait_set._ref, keys, len(keys), int(timeout * 1e9))
-        if count < 0 and self._context.ok() and not self._is_shutdown:
-            raise DDSException(count, "Occurred while waiting")
-        woken_by = [self._waited_for[key] for key in sorted(key or 0 for key in keys[: max(0, count)])]
+        try:
+            woken_by = self._waiter.wait(timeout)
+        except TransportError:
+            if self._context.ok() and not self._is_shutdown:
+                raise
+            woken_by = []
         self._ready = iter((*self._timers, *self._guards, *filter(None, woken_by)))
         if None in woken_by:
             self._report_events()
 
     def _report_events(self) -> None:
-        with suppress(DDSException, RCLError):  # the context is shutting down
-            self._guard.take()
+        with suppress(TransportError, RCLError):  # the context is shutting down
             self._context.graph.listen()
         for endpoint in self._endpoints:
             endpoint.report_events()
 
     def _look_around(self) -> None:
-        """Read the nodes' entities. Make a new wait set, because entities come and go on other threads."""
+        """Read the nodes' entities, and wait for them from now on."""
         self._outdated = False
         self._timers = [timer for node in self._nodes for timer in node.timers]
         self._guards = [guard for node in self._nodes for guard in node.guards]
         self._endpoints = [endpoint for node in self._nodes for endpoint in (*node.publishers, *node.subscriptions)]
-        self._close_wait_set()
-        try:
-            with lock:
-                wait_set = self._wait_set = WaitSet(self._context.graph.participant)
-                sources: list[Entity] = [self._guard, self._context.graph.changes]
-        except (DDSException, RCLError):
-            if self._context.ok() and not self._is_shutdown:
-                raise
-            return
-        self._waited_for = [None, None]
-        for endpoint in self._endpoints:
-            sources += endpoint.event_sources
-            self._waited_for += [None, endpoint] if isinstance(endpoint, Subscription) else [None]
-        for key, source in enumerate(sources):  # fails for an entity destroyed in the meantime, which wakes us again
-            wait_set._waitset_attach(wait_set._ref, source._ref, key)
-
-    def _close_wait_set(self) -> None:
-        wait_set, self._wait_set = self._wait_set, None
-        if wait_set is not None:
-            close(wait_set)
+        self._subscriptions = [endpoint for endpoint in self._endpoints if isinstance(endpoint, Subscription)]
+        with lock:  # a shutdown waits meanwhile
+            if self._context.ok():
+                watched = [(endpoint._wire, endpoint) for endpoint in self._endpoints]
+                self._waiter.watch([(self._context.graph.changes, None), *watched])
 
     def _close_if_shut_down(self) -> None:
         """Release everything once no thread spins; the last thread to finish does it."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
         self._ready = iter(())
-        self._timers, self._guards, self._endpoints, self._waited_for = [], [], [], []
-        self._close_wait_set()
-        close(self._guard)
+        self._timers, self._guards, self._endpoints, self._subscriptions = [], [], [], []
+        self._waiter.close()
         self._spinning.release()
 
     def __enter__(self) -> Self:

@@ -9,10 +9,10 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from _rosidl.message import Message
-from cyclonedds.core import DDSException
 from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy import _absent, qos
 from rclpy._arguments import Arguments
+from rclpy._middleware import TransportError
 from rclpy._names import validate_topic_name
 from rclpy._node_graph import NodeGraph
 from rclpy._node_parameters import NodeParameters
@@ -342,7 +342,7 @@ class Node(NodeGraph, NodeParameters):
         self._require_context(what)
         try:
             yield
-        except DDSException as error:
+        except TransportError as error:
             self._require_context(what)
             raise RCLError(f"Failed to create {what}: {error}") from error
 

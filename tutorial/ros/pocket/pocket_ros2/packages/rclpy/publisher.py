@@ -1,9 +1,9 @@
 """Publishers."""
 
 from _rosidl.message import Message
-from cyclonedds.core import DDSException, DDSStatus
-from cyclonedds.pub import DataWriter
 from rclpy._endpoint import Endpoint
+from rclpy._middleware import TransportError
+from rclpy._transport import Participant, Writer
 from rclpy._wire import encode
 from rclpy.duration import Duration, Infinite
 
@@ -11,13 +11,14 @@ from rclpy.duration import Duration, Infinite
 class Publisher(Endpoint):
     """Sends messages to a topic; created by ``Node.create_publisher``. Can be used from any thread."""
 
-    _kind = DataWriter
     _noun = "publisher"
-    _incompatible = DDSStatus.OfferedIncompatibleQos
-    _get_incompatible = "get_offered_incompatible_qos_status"
     _warning = (
         "New subscription discovered on topic '{topic}', requesting incompatible QoS. No messages will be sent to it."
     )
+    _wire: Writer
+
+    def _create(self, participant: Participant, topic_name: str, type_name: str) -> Writer:
+        return participant.create_writer(topic_name, type_name, self.qos_profile)
 
     def publish(self, msg: Message | bytes) -> None:
         """Publish a message, given as an object or as serialised bytes.
@@ -37,8 +38,8 @@ class Publisher(Endpoint):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         self._require_context("Failed to publish")
         try:
-            self._dds.write(self._topic.data_type(data))
-        except DDSException as error:
+            self._wire.write(data)
+        except TransportError as error:
             raise self._explain(error, "Failed to publish") from None
 
     def get_subscription_count(self) -> int:
@@ -49,7 +50,7 @@ class Publisher(Endpoint):
         """
         self._require_handle()
         self._require_context("failed to get subscription count")
-        return self._count_matched("get_publication_matched_status", "subscription")
+        return self._count_matched("subscription")
 
     def wait_for_all_acked(self, timeout: Duration = Infinite) -> bool:
         """Wait until every reliable subscription has received all messages; return False on a timeout.
@@ -62,8 +63,6 @@ class Publisher(Endpoint):
         """
         self.get_subscription_count()  # raises if the publisher no longer works
         try:
-            return bool(self._dds.wait_for_acks(timeout.nanoseconds))
-        except AttributeError:  # raised by cyclonedds 11.0.1 on a timeout
-            return False
-        except DDSException as error:
+            return self._wire.wait_for_acks(timeout.nanoseconds)
+        except TransportError as error:
             raise self._explain(error, "Failed to wait for all acknowledgements") from None

@@ -5,14 +5,13 @@ from __future__ import annotations
 import inspect
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from _rosidl.message import Message
-from cyclonedds.core import DDSException, DDSStatus, InstanceState, ReadCondition, SampleState, ViewState
-from cyclonedds.sub import DataReader
-from rclpy._domain import lock
 from rclpy._endpoint import Endpoint
+from rclpy._middleware import TransportError
 from rclpy._rclpy_pybind11 import RCLError
+from rclpy._transport import Participant, Reader
 from rclpy._wire import decode
 from rclpy.qos import QoSProfile
 
@@ -36,13 +35,11 @@ class Subscription(Endpoint):
         raw: pass bytes to the callback instead of messages.
     """
 
-    _kind = DataReader
     _noun = "subscription"
-    _incompatible = DDSStatus.RequestedIncompatibleQos
-    _get_incompatible = "get_requested_incompatible_qos_status"
     _warning = (
         "New publisher discovered on topic '{topic}', offering incompatible QoS. No messages will be received from it."
     )
+    _wire: Reader
 
     def __init__(
         self, node: Node, msg_type: type[Message], topic: str, callback: Callback, qos_profile: QoSProfile, raw: bool
@@ -51,9 +48,9 @@ class Subscription(Endpoint):
         self.raw = raw
         self._has_reported_malformed = False
         super().__init__(node, msg_type, topic, qos_profile)
-        with lock:
-            any_state = ViewState.Any | InstanceState.Any | SampleState.Any
-            self.event_sources.append(ReadCondition(self._dds, any_state))
+
+    def _create(self, participant: Participant, topic_name: str, type_name: str) -> Reader:
+        return participant.create_reader(topic_name, type_name, self.qos_profile)
 
     @property
     def callback(self) -> Callback:
@@ -72,7 +69,7 @@ class Subscription(Endpoint):
 
     def get_publisher_count(self) -> int:
         """Return the number of publishers that messages are received from."""
-        return self._count_matched("get_subscription_matched_status", "publisher")
+        return self._count_matched("publisher")
 
     def execute(self) -> bool:
         """Take a message, if there is one, and call the callback with it. Called by the executor.
@@ -80,26 +77,25 @@ class Subscription(Endpoint):
         Returns:
             Whether the callback was called.
         """
-        while (payload := self._take()) is not None:
+        while (sample := self._take()) is not None:
+            data, sent_at = sample
             try:
-                message = payload.data if self.raw else decode(payload.data, self.msg_type)
+                message = data if self.raw else decode(data, self.msg_type)
             except RCLError as error:
                 self._report_malformed(error)
                 continue
             if self._wants_info:
-                self._callback(message, _info(payload))
+                self._callback(message, _info(sent_at))
             else:
                 self._callback(message)
             return True
         return False
 
-    def _take(self) -> Any:
-        """Return the next message undecoded, or None if there is none."""
+    def _take(self) -> tuple[bytes, int] | None:
+        """Return the next message undecoded, and when it was sent [ns], or None if there is no message."""
         try:
-            while not self._destroyed and (samples := self._dds.take(1)):
-                if samples[0].sample_info.valid_data:
-                    return samples[0]
-        except DDSException:
+            return None if self._destroyed else self._wire.take()
+        except TransportError:
             if not self._destroyed and self._node.context.ok():
                 raise
         return None
@@ -112,9 +108,9 @@ class Subscription(Endpoint):
             )
 
 
-def _info(payload: Any) -> dict[str, int | None]:
+def _info(sent_at: int) -> dict[str, int | None]:
     return {
-        "source_timestamp": payload.sample_info.source_timestamp,
+        "source_timestamp": sent_at,
         "received_timestamp": time.time_ns(),
         "publication_sequence_number": None,  # as in ROS 2 with Cyclone DDS
         "reception_sequence_number": None,
