@@ -219,7 +219,7 @@ class _Publishers:
         self._alone_for = 0  # messages until the publishers are counted again
         self._groups: list[set[str]] = []  # joints that are published together
         self._elsewhere: dict[str, float] = {}  # the rival's position of a joint
-        self._received: dict[str, tuple[float, float, float]] = {}  # last position, the one before, and jumps back
+        self._received: dict[str, tuple[float, float, float]] = {}  # latest and previous position, number of jumps back
 
     def alone(self) -> bool:
         """Return whether there is only one publisher. Publishers are counted once every few messages."""
@@ -273,7 +273,7 @@ class _Publishers:
 
 
 class _Plan(NamedTuple):
-    """Where to find each joint's position in every message that has the same names."""
+    """Where to find each joint's position in any message with these names."""
 
     names: Sequence[str] = ()
     length: int = 0  # the number of positions

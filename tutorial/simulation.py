@@ -30,7 +30,7 @@ class State(Enum):
     """The state of a `Simulation`, whose docstring contains the table of transitions."""
 
     IDLE = "idle"  #: not being stepped; ready to step
-    RUNNING = "running"  #: a thread steps it: its own, or the caller of `Simulation.advance`
+    RUNNING = "running"  #: a thread steps it: its own, or that of the caller of `Simulation.advance`
     FAILED = "failed"  #: stopped, because a controller raised `Simulation.error`; can be stepped again
     ABANDONED = "abandoned"  #: stopped for good: a controller does not return, and may still touch its body
 
@@ -94,7 +94,7 @@ class Simulation:
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
         # Two runs, because release() stops some controllers on one thread while a different thread steps the rest.
-        # Each is the last run of its kind. Both begin as a run that is over.
+        # Each is the last run of its kind. Both are initially a run that has already finished.
         self._stepping = self._stopping = Run(threading.current_thread())
         self._stepping.finished.set()
 

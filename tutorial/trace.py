@@ -72,14 +72,14 @@ class Handoff:
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
-        """Record that a newer call replaced this one. The time is when the newer call was posted."""
+        """Record that a newer call replaced this one. The recorded time is that of the newer call's posting."""
         self.superseded = newer.posted if newer is not None else Moment.now()
 
 
 class HandoffTrace:
     """The newest handoffs of a program. May be used from any thread.
 
-    Give it to `tutorial.handoff.CallQueue`, and to the attribute ``trace`` of a `tutorial.ros.node_thread.MeteredNode`.
+    Give it to `tutorial.handoff.CallQueue`, and to the `tutorial.ros.node_thread.NodeThread` of its node.
 
     Args:
         capacity: how many handoffs to keep; the oldest are dropped.

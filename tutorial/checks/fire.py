@@ -161,7 +161,7 @@ CASES = [
 
 
 def describe(seen: Any) -> str:
-    """Put the value of `fire` into words, or those of two tanks."""
+    """Describe the value of `fire` in words, for one tank or for two."""
     if isinstance(seen, list):
         return ", and ".join(map(describe, seen))
     return f"self.fire holds {seen}" if isinstance(seen, bool) else str(seen)

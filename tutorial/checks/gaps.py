@@ -60,7 +60,7 @@ MISTAKES = [
     Mistake("you compare each stamp with the one before it, which "
             "may have been late: compare it with the newest so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
-    Mistake("you report every step back as a restart: up to 1 s before the newest stamp, a message is only late.",
+    Mistake("you report every jump back in time as a restart: up to 1 s before the newest, a message is only late.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
     Mistake("you compute seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",
@@ -200,7 +200,7 @@ CASES = [
     Case("a robot's stamps, exactly 0.1 s apart", bag(0.826, 0.926, 0.946, since=SINCE_1970), FRACTION),
     Case("a robot's stamps, 0.1 s and 1 ns apart", bag(0.028000037, 0.128000038, since=SINCE_1970), FRACTION),
     Case("two bags, one after the other", two,
-         "You probably reuse one list in all calls: make a new one in each call."),
+         "You probably reuse the same list in every call: make a new one in each call."),
     Case("no message", bag(), "You probably expect at least one message: return an empty list for an empty bag.",
          crashes=True),
     Case("a single message", bag(1.0)),

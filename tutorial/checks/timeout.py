@@ -72,7 +72,9 @@ MISTAKES = [
             replace("return seconds - self.since", "return int(seconds - self.since)",
                     "return int(seconds) - int(self.since)")),
 ]  # fmt: skip
-MEANING = "You probably compute a wrong age. In every call, test whether seconds - self.since, not rounded, is <= 0.5."
+MEANING = (
+    "You probably compute the age incorrectly. In each call, test whether seconds - self.since <= 0.5, unrounded."
+)
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 

@@ -36,7 +36,7 @@ from tutorial.checks.exercise import Exercise
 
 
 def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
-    """Turn a point about the origin by a unit quaternion."""
+    """Rotate a point about the origin by a unit quaternion."""
     axis, point = np.array([q.x, q.y, q.z]), np.array(point, float)
     return np.asarray(point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point))
 

@@ -153,7 +153,7 @@ class Launcher:
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:
-        """Send a signal to every remaining process group, or none with 0; return whether there is one."""
+        """Send a signal to every remaining process group (0 sends none); return whether there is one."""
         for name, process in tuple(self._running.items()):
             if not parent_watch.signal_group(process.pid, number):
                 self._running.pop(name, None)

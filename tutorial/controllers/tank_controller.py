@@ -39,7 +39,7 @@ class TankController(SimpleController):
         """Turn the sticks into track speeds [m/s] and joint torques [N.m]."""
         left_x, left_y, right_x, right_y = sticks(self.joy.get())
 
-        # forward at full stick is 2 m/s; a full turn makes one track 1 m/s slower and the other track 1 m/s faster
+        # forward at full stick is 2 m/s; full stick sideways makes one track 1 m/s slower and the other 1 m/s faster
         self.track_l.ctrl = 2.0 * left_y - left_x
         self.track_r.ctrl = 2.0 * left_y + left_x
 

@@ -18,7 +18,7 @@ LARGEST = 1e6
 """Larger numbers are shown as this one, to keep the table narrow."""
 
 SMOOTHNESS = 0.7
-"""The share of the difference between the shown and the measured vector that remains after a frame."""
+"""The fraction of the difference between the shown and measured vectors that is left after each frame."""
 
 UNSEEN = 1e-3
 """The scale of a hidden arrow. It is not 0, because a matrix has to have an inverse."""

@@ -100,7 +100,7 @@ def _findings(told: Sequence[bytes], files: Collection[str], status: int | None)
 
     Args:
         told: the lines that the process reported.
-        files: the files of the learner's code.
+        files: the files that contain the learner's code.
         status: the exit status.
     """
     findings = [msgspec.json.decode(line, type=Finding) for line in told if line.startswith(b"{")]

@@ -19,7 +19,7 @@ from pathlib import Path
 from tutorial.errors import TutorialError
 from tutorial.system.paths import COURSE, PACKAGE, is_course
 
-FOLDER_SIZE = 64 << 20  # bytes of all files together
+FOLDER_SIZE = 64 << 20  # total size of all files [bytes]
 SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/sys")
 LIMITS = {
     resource.RLIMIT_AS: 4 << 30,  # bytes of address space per process; MuJoCo and DDS map about 1 GB
@@ -30,13 +30,13 @@ LIMITS = {
 PROCESSES = 256  # including threads
 FIRST_TO_GO = 'echo 1000 > /proc/self/oom_score_adj; exec "$@"'  # if memory runs out, the kernel kills these first
 SECCOMP = "libseccomp.so.2"
-# The refused calls concern keys, which namespaces don't isolate; memory that can exist without being mapped; and modes
-# of files outside the sandbox, such as /dev/null.
+# The refused calls concern the kernel's keyrings, which namespaces don't isolate; memory that can exist without being
+# mapped; and modes of files outside the sandbox, such as /dev/null.
 REFUSED = b"add_key request_key keyctl memfd_create shmget chmod fchmod fchmodat fchmodat2".split()
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # from seccomp.h
 NO_SANDBOX = (
     "an answer is a stranger's program, and there is no sandbox for it here: {}. On Debian and Ubuntu, sudo apt-get "
-    "install bubblewrap libseccomp2 installs one. If you trust the answers or use a virtual machine, give --no-sandbox."
+    "install bubblewrap libseccomp2 adds it. If you trust the answers or use a virtual machine, give --no-sandbox."
 )
 
 

@@ -17,7 +17,7 @@ from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] length of the time axis
-DRAW_EVERY = 0.1  # [s] between two drawings, at least
+DRAW_EVERY = 0.1  # [s] minimum time between two drawings
 SHARE = 0.1  # the largest share of the main thread's time spent on drawing
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message

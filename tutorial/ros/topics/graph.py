@@ -85,7 +85,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     """Return all nodes, and all topics, some of them with the nodes that publish and subscribe."""
     snapshot: list[tuple[str, ...]] = []
     topics: list[tuple[str, list[str]]] = []
-    with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while one has an empty name
+    with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while any node has an empty name
         snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
     with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while one name is not UTF-8
         topics = node.get_topic_names_and_types()

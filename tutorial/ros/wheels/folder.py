@@ -55,7 +55,7 @@ def site_packages(folder: Path) -> Path:
 
 
 def is_complete(folder: Path, wheels: Path = WHEELS) -> bool:
-    """Return whether a folder has all wheels of a list: a copy of the list is added last."""
+    """Return whether a folder contains all the wheels in a list: a copy of the list is added last."""
     copy = folder / wheels.name
     return copy.is_file() and copy.read_bytes() == wheels.read_bytes()
 
