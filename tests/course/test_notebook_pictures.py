@@ -54,10 +54,12 @@ def test_a_picture_is_only_replaced_by_one_that_looks_different():
     first = output.data["image/jpeg"]
     assert not store(output, square(50.4), "a square that has hardly moved")
     assert output.data["image/jpeg"] == first
-    assert output.metadata == {"image/jpeg": {"alt": "a square"}}
+    assert output.metadata == {"image/jpeg": {"alt": "a square", "width": 200}}
     assert store(output, square(80), "a square further right")
     assert output.metadata["image/jpeg"]["alt"] == "a square further right"
     assert output.data["text/plain"] == "SceneView('simulation')"
+    assert store(output, square(50).resize((800, 560)), "a square that is taller than a live view")
+    assert output.metadata["image/jpeg"]["width"] == 400
 
 
 def test_a_later_run_has_the_pictures_of_cells_that_are_unchanged():

@@ -30,6 +30,7 @@ WIDGET = re.compile(r"(SceneView|NodeGraph|JointPlot|Picture|ImageView|SideBySid
 
 WIDTH = 800  # of a cell [CSS pixels]
 QUALITY = 60  # of a JPEG, of 100
+HEIGHT = 280  # [CSS pixels] of a view at most: JupyterLab scrolls before a live view takes the picture's place
 COLOURS = 32  # of a PNG
 SQUARE = 4  # pixels: two pictures are compared by averages of squares so large, because JPEG changes single pixels
 DIFFERENT = 24  # of 255: a difference of two colours that is easy to see
@@ -102,7 +103,8 @@ def store(output: Any, picture: Image.Image, alt: str) -> bool:
     else:
         picture.quantize(COLOURS).save(file, "PNG", optimize=True)
     output.data[kind] = base64.b64encode(file.getvalue()).decode()
-    output.metadata = {kind: {"alt": alt}}
+    width = round(picture.width * min(1.0, HEIGHT / picture.height)) if is_photo else picture.width
+    output.metadata = {kind: {"alt": alt, "width": width}}
     return True
 
 

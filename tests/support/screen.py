@@ -10,7 +10,7 @@ from lab import Notebook
 from loops import until
 
 SEE = "**What you should see:**"
-MOSTLY = 0.75  # of its area: then it counts as on the screen
+HALF = 0.5  # of its area: then it counts as on the screen
 GLANCE = 0.1  # [s] from one glance to the next
 TOO_LONG = 3  # glances in which something moved off the screen
 NAMES = """
@@ -154,7 +154,7 @@ class Learner:
 
 
 def _on_screen(sights: list[Sight]) -> set[str]:
-    return {sight.name for sight in sights if sight.share >= MOSTLY}
+    return {sight.name for sight in sights if sight.share >= HALF}
 
 
 def _with_names(function: str) -> str:

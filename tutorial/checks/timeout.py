@@ -72,9 +72,7 @@ MISTAKES = [
             replace("return seconds - self.since", "return int(seconds - self.since)",
                     "return int(seconds) - int(self.since)")),
 ]  # fmt: skip
-MEANING = (
-    "You probably compute the age incorrectly. In each call, test whether seconds - self.since <= 0.5, unrounded."
-)
+MEANING = "You probably compute the age incorrectly. In each call, test whether seconds - self.since <= 0.5, unrounded."
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
