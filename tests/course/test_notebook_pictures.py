@@ -59,7 +59,7 @@ def test_a_picture_is_only_replaced_by_one_that_looks_different():
     assert output.metadata["image/jpeg"]["alt"] == "a square further right"
     assert output.data["text/plain"] == "SceneView('simulation')"
     assert store(output, square(50).resize((800, 560)), "a square that is taller than a live view")
-    assert output.metadata["image/jpeg"]["width"] == 400
+    assert output.metadata["image/jpeg"]["width"] == 343
 
 
 def test_a_later_run_has_the_pictures_of_cells_that_are_unchanged():

@@ -30,7 +30,7 @@ WIDGET = re.compile(r"(SceneView|NodeGraph|JointPlot|Picture|ImageView|SideBySid
 
 WIDTH = 800  # of a cell [CSS pixels]
 QUALITY = 60  # of a JPEG, of 100
-HEIGHT = 280  # [CSS pixels] of a view at most: JupyterLab scrolls before a live view takes the picture's place
+HEIGHT = 240  # [CSS pixels] of a view at most: JupyterLab scrolls before a live view takes the picture's place
 COLOURS = 32  # of a PNG
 SQUARE = 4  # pixels: two pictures are compared by averages of squares so large, because JPEG changes single pixels
 DIFFERENT = 24  # of 255: a difference of two colours that is easy to see
