@@ -57,7 +57,7 @@ def test_the_users_settings_win(place, monkeypatch, name, usual):
         monkeypatch.setenv(name, given)
         folder.activate()
         assert os.environ[name] == used
-    assert "USER_DATA_ONLY" in SETTINGS.read_text()
+    assert "<intraprocess_delivery>OFF<" in SETTINGS.read_text()
 
 
 @pytest.mark.parametrize(
