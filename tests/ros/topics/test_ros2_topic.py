@@ -233,7 +233,9 @@ def test_it_waits_for_a_discovered_ros_2_program(asker, stranger):
 
 
 @pytest.mark.pocket
-def test_it_waits_until_all_nodes_and_endpoints_are_known(asker, stranger):
+def test_it_waits_until_all_nodes_and_endpoints_are_known(asker, stranger, monkeypatch):
+    monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 0.0)
+
     async def told_in_the_meantime():
         waiting = asyncio.create_task(wait_for_graph(asker, timeout=60.0))
         await asyncio.sleep(0)  # the first look

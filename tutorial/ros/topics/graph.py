@@ -23,7 +23,7 @@ PATIENT_READS = 30  # the same for a real rclpy that may still discover more: se
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
 TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
 DISCOVERY_TIMEOUT = 2.0  # [s] that a requested node or topic can take to appear
-TIMEOUT_ON_FAST_DDS = 6.0  # [s]
+TIMEOUT_ON_FAST_DDS = 6.0  # [s] the same on Fast DDS
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 
 
@@ -42,14 +42,14 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
         Whether the graph is known.
     """
     began = time.monotonic()
-    timeout = TIMEOUT_ON_FAST_DDS if _is_fast_dds() else DISCOVERY_TIMEOUT
+    discovery = TIMEOUT_ON_FAST_DDS if _is_fast_dds() else DISCOVERY_TIMEOUT
     seen: tuple[tuple[str, ...], ...] = ()
     agreeing = 0  # reads in a row
     while True:
         before, seen = seen, _snapshot(node)
         agreeing = agreeing + 1 if seen == before else 0
         done, waited = agreeing >= _reads(node, seen), time.monotonic() - began
-        if done and (waited >= timeout or (_has_met_its_own(node) and wanted())):
+        if done and (waited >= discovery or (_has_met_its_own(node) and wanted())):
             return True
         if waited >= timeout:
             _log.warning("nodes still come and go: this output may be incomplete")
