@@ -129,15 +129,20 @@ class Learner:
         await self._notebook.page.keyboard.press("Shift+Enter")
         unseen: dict[str, int] = {}
 
-        async def is_done() -> bool:
-            busy = await self._notebook.is_busy()
+        async def is_drawn() -> bool:
             await asyncio.sleep(GLANCE)
             sights, drawn = await self._look(number)
             for name in {sight.name for sight in sights if sight.moves} - _on_screen(sights):
                 unseen[name] = unseen.get(name, 0) + 1
-            return drawn and not busy
+            return drawn
 
-        await until(is_done, f"cell {number} is done, and what it shows is drawn")
+        async def has_run() -> bool:
+            await is_drawn()
+            return not await self._notebook.is_busy()
+
+        await until(has_run, f"cell {number} to be done")
+        assert await self._notebook.errors() == []
+        await until(is_drawn, f"what cell {number} shows to be drawn")
         sights, _ = await self._look(number)
         gone = {sight.name for sight in sights if sight.has_moved} - _on_screen(sights)
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
