@@ -110,7 +110,8 @@ CASES = [
          "You probably expect the message to have the body's order. "
          "Take each position's joint from the message's names.", crashes=True),
     Case("a message with only HATCH", heard(("HATCH",), (0.3,)),
-         "You probably expect every joint in every message. Leave out a joint that the message does not name.",
+         "You probably expect every joint in every message, or make up a number for a missing one. "
+         "Leave out a joint that the message does not name.",
          crashes=True),
     Case("an unknown name, ANTENNA", heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)), UNKNOWN, crashes=True),
     Case("3 names, 2 positions", heard(BODY, (0.1, 0.2)),

@@ -73,6 +73,10 @@ MISTAKES = [
             "not empty()` or get(timeout=...): wait for more with get().",
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
+    Mistake("something other than None ends the thread, such as a flag, while entries wait. Let only None end it.",
+            both(replace("while received := self.received.get():",
+                         "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
+                 replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
     Mistake("you keep the messages until the end, and lose them if the "
             "program crashes: write each one before you take the next.",
             replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
@@ -270,6 +274,8 @@ CASES = [
     Case("equal messages wait in the queue", tried(A, B, B, (9, b"A")),
          "You probably leave out a message that equals an earlier one. "
          "Write every entry: a repeated message is still a message."),
-    Case("a message arrives while it stops listening", tried(A, coming=[B])),
+    Case("a message arrives while it stops listening", tried(A, coming=[B]),
+         "You probably stop listening too late, after put(None). What arrives after "
+         "None is never written: first destroy the subscription, then put None."),
 ]  # fmt: skip
 record = Exercise("record", __doc__, Cases(MyRecorder, CASES, MISTAKES, MEANING), ("write", "unconfigure"))
