@@ -118,14 +118,12 @@ class Learner:
     def __init__(self, notebook: Notebook, path: Path) -> None:
         self.missed: list[str] = []
         self._notebook = notebook
+        self._has_motion = False  # in the last cell
         self._described = {cells[-1]: cells for cells in described_cells(path) if cells}
 
     async def run_cell(self, number: int) -> None:
         """Run the next cell, and note the effects off the screen. A view that already moves is not an effect."""
-        await self._look(number)
-        await asyncio.sleep(GLANCE)
-        before, _ = await self._look(number, is_start=True)
-        moving = {sight.name for sight in before if sight.moves}
+        moving = await self._moving(number)
         await self._notebook.page.keyboard.press("Shift+Enter")
         unseen: dict[str, int] = {}
 
@@ -147,11 +145,22 @@ class Learner:
         gone = {sight.name for sight in sights if sight.has_moved} - _on_screen(sights)
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
         gone -= moving
+        self._has_motion = any(sight.has_moved for sight in sights)
         self.missed += [f"cell {number} moves what is not on the screen: {name}" for name in sorted(gone)]
         if cells := self._described.get(number):
             height, screen = await self._notebook.page.evaluate(_with_names(HEIGHT), [cells.start, cells.stop])
             if height > screen:
                 self.missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
+
+    async def _moving(self, number: int) -> set[str]:
+        """Return the views that already move. A busy machine draws them rarely, so look for a second if any did move."""
+        await self._look(number)
+        moving: set[str] = set()
+        for _ in range(10 if self._has_motion else 1):
+            await asyncio.sleep(GLANCE)
+            sights, _ = await self._look(number, is_start=True)
+            moving |= {sight.name for sight in sights if sight.moves}
+        return moving
 
     async def _look(self, number: int, is_start: bool = False) -> tuple[list[Sight], bool]:
         sights, drawn = await self._notebook.page.evaluate(_with_names(LOOK), [number, is_start])
