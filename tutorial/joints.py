@@ -2,7 +2,7 @@
 
 In a ``sensor_msgs/JointState`` the names identify the joints. A viewer that uses the i-th entry for its i-th joint
 shows the wrong pose as soon as a publisher sends its joints in a different order, or only some of them.
-`match_joints` is the idea. `JointMatcher` adds what only a stream of messages can show: late messages and rivals.
+`match_joints` is the idea. `JointMatcher` also detects late messages, and rivals: other publishers of the same joints.
 """
 
 from __future__ import annotations
@@ -19,15 +19,16 @@ from tutorial.errors import did_you_mean
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-NAMES_KEPT = 3  # per part of a report, to keep it small however many names a message has
-SECOND_NS = 1_000_000_000  # a stamp that steps back further means that the publisher was restarted
-PAUSE_NS = 10 * SECOND_NS  # the longest pause that one of several publishers may make between two messages
+NAMES_KEPT = 3  # in each `NameList`, to keep a report small however many names a message has
+SECOND_NS = 1_000_000_000  # [ns] a stamp that steps back further means that the publisher was restarted
+PAUSE_NS = 10 * SECOND_NS  # [ns] the longest pause that one of several publishers may make between two messages
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
 SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
-COUNT_EVERY = 10  # messages between two counts of the publishers
-SILENT_AFTER = 25  # messages in a row, per rival; then the followed publisher counts as silent
-SHARED = 60  # jumps of a joint back to its position before last; then two publishers share it
+NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # of a jump's length: how near it ends to the position before last, or to a rival's
+COUNT_EVERY = 10  # messages between two counts of the publishers, as long as there is only one
+SILENT_AFTER = 25  # dropped messages in a row, per rival; then the followed publisher counts as silent
+SHARED_AFTER, CANCELLED = 60, 1 / 4  # a joint's jumps back until two publishers share it; each other jump cancels 1/4
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -39,27 +40,25 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
         message: the message; apart from its type, its content can be anything.
 
     Returns:
-        The position of each joint that moves [rad or m], and the report. A joint without a usable number does not
-        move. If a message names a joint twice, the last usable number counts.
+        The position [rad or m] of each joint with a usable number (the last one if it has several), and the report.
     """
-    ranges = _ranges(joints)
-    names, positions = message.name, message.position
-    known = [(name, position) for name, position in zip(names, positions) if name in ranges]
-    usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # excludes NaN; the last wins
-    received = dict(known) | usable  # in the message's order; an unusable number stays only if there is no usable one
+    ranges, names, positions = _ranges(joints), message.name, message.position
+    unknown = [name for name in names if name not in ranges]
+    pairs = [(name, position) for name, position in zip(names, positions) if name in ranges]
+    usable = {joint: position for joint, position in pairs if abs(position) <= SHOWABLE}  # excludes NaN; the last wins
+    received = dict(pairs) | usable  # in the message's order, with an unusable number only if there is no usable one
     shown = {joint: position for joint, position in received.items() if joint in usable}
-    strange, named = [name for name in names if name not in ranges], Counter(name for name, _ in known)
     limits = {joint: _with_slack(ranges[joint]) for joint in shown}
     return shown, JointReport(
         joints=tuple(shown),
-        unknown=NameList.of(strange),
-        duplicate=NameList.of([joint for joint, count in named.items() if count > 1]),
-        short=max(len(names) - len(positions), 0) if len(positions) else 0,
+        unknown=NameList.of(unknown),
+        duplicate=NameList.of([joint for joint, count in Counter(joint for joint, _ in pairs).items() if count > 1]),
+        short=max(len(names) - len(positions), 0) if len(positions) else 0,  # ROS allows a message without positions
         long=max(len(positions) - len(names), 0),
         non_finite=NameList.of([joint for joint, position in received.items() if not isfinite(position)]),
         huge=NameList.of([joint for joint, position in received.items() if SHOWABLE < abs(position) < inf]),
         outside=NameList.of([joint for joint, (low, high) in limits.items() if not low <= shown[joint] <= high]),
-        known=tuple(ranges) if strange else (),
+        known=tuple(ranges) if unknown else (),
     )
 
 
@@ -80,12 +79,12 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the previous ones. If its joints differ, the report has the value that comes last here."""
+    """How a message follows the previous ones. If that differs between joints, the report has the value listed last."""
 
     NEXT = ""  #: the publisher's next message
-    RESTARTED = "the publisher was started again"  #: the stamp steps far back
-    SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: from now on
-    LATE = "a late message was dropped"  #: older than the last message
+    RESTARTED = "the publisher was started again"  #: its stamp steps far back
+    SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: its publisher
+    LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message of another publisher was dropped"  #: not from the publisher that is followed
 
 
@@ -93,8 +92,8 @@ class JointReport(NamedTuple):
     """The result of matching one message."""
 
     joints: tuple[str, ...] = ()  #: the joints that got a position
-    arrival: Arrival = Arrival.NEXT
-    unmoved: NameList = NameList()  #: joints that it did not move because it was late or a rival's for them
+    arrival: Arrival = Arrival.NEXT  #: how the message follows the previous ones
+    unmoved: NameList = NameList()  #: joints that did not move, because their positions were late or a rival's
     unknown: NameList = NameList()  #: names that the body has no joint for
     duplicate: NameList = NameList()  #: joints named more than once; the last usable number won
     short: int = 0  #: the number of names without a position
@@ -102,7 +101,7 @@ class JointReport(NamedTuple):
     non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they did not move
     huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to draw; they did not move
     outside: NameList = NameList()  #: joints whose position is outside their range; the view shows them as received
-    known: tuple[str, ...] = ()  #: the joints of the body, if a name was unknown
+    known: tuple[str, ...] = ()  #: all joints of the body, to suggest one; empty if every name was known
 
     @property
     def dropped(self) -> bool:
@@ -111,24 +110,25 @@ class JointReport(NamedTuple):
 
     @property
     def clean(self) -> bool:
-        """Whether the report has no complaints."""
-        return self[1:-1] == JointReport()[1:-1]
+        """Whether the message was the next one and had no faults."""
+        return self == JointReport(self.joints, known=self.known)
 
     def counts(self) -> dict[str, int]:
         """Return the number of joints or names of each kind, to be summed up over many messages."""
         arrivals = {each.name.lower(): int(each is self.arrival) for each in Arrival if each is not Arrival.NEXT}
-        kinds = ((kind, getattr(self, kind)) for kind in self._fields[2:-1])
-        found = {kind: each.total if isinstance(each, NameList) else each for kind, each in kinds}
-        return {"matched": len(self.joints), **arrivals, **found}
+        found = {kind: getattr(self, kind) for kind in self._fields[2:-1]}  # from `unmoved` to `outside`
+        totals = {kind: each.total if isinstance(each, NameList) else each for kind, each in found.items()}
+        return {"matched": len(self.joints), **arrivals, **totals}
 
     def __str__(self) -> str:
         """Return the line for the log and below the 3D view."""
         if self.dropped:
             return self.arrival.value
         shown = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)} shown"
+        arrival = self.arrival.value + (f" for {self.unmoved}" if self.unmoved.total else "")
         hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""
         complaints = (
-            (self.arrival.value, self.arrival.value + (f" for {self.unmoved}" if self.unmoved.total else "")),
+            (self.arrival.value, arrival),
             (self.unknown.total, f"unknown {self.unknown}.{hint}"),
             (self.duplicate.total, f"named twice, the last number wins: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
@@ -158,11 +158,11 @@ class JointMatcher:
     def __init__(self, joints: Ranges | Iterable[str], publishers: Callable[[], int] = lambda: 1) -> None:
         self._ranges = dict(_ranges(joints))
         self._publishers = _Publishers(self._ranges, publishers)
-        self._tracks: dict[str, _Track] = {}  # the tracks by joint, once a message has moved it
+        self._tracks: dict[str, _Track] = {}  # by joint, for joints that a message has moved
         self._last, self._plan = _Track({}, -inf), _Plan()  # the joints that the last message moved, and its plan
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
-        """Match the next message like `match_joints`, but look the names up only if they have changed."""
+        """Match the next message as `match_joints` does, but move no joint whose position is late or a rival's."""
         stamp, last, plan = message.header.stamp, self._last, self._plan
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
         ahead = stamp_ns - last.stamp_ns  # infinite for the first message
@@ -175,105 +175,106 @@ class JointMatcher:
         return self._judge(message, stamp_ns)
 
     def _judge(self, message: JointState, stamp_ns: int) -> tuple[dict[str, float], JointReport]:
-        """Match an unusual message, and decide which of its joints it moves."""
+        """Match a message that no shortcut fits, and decide which of its joints it moves."""
         positions, report = match_joints(self._ranges, message)
         if not positions:
             return {}, report
         rivals = self._publishers.rivals(positions)
-        arrivals = dict.fromkeys(positions, Arrival.NEXT)
-        for track in dict.fromkeys(self._tracks[joint] for joint in positions if joint in self._tracks):
+        arrivals = dict.fromkeys(positions, Arrival.NEXT)  # by joint
+        for track in {self._tracks[joint] for joint in positions if joint in self._tracks}:
             part = {joint: position for joint, position in positions.items() if self._tracks.get(joint) is track}
             arrivals |= dict.fromkeys(part, self._publishers.arrival(track, part, stamp_ns, rivals))
         arrival = max(arrivals.values(), key=list(Arrival).index)
         unmoved = [joint for joint in positions if arrivals[joint] in (Arrival.LATE, Arrival.ANOTHER)]
-        if len(unmoved) == len(positions):
-            return {}, JointReport(arrival=arrival)
         shown = {joint: position for joint, position in positions.items() if joint not in unmoved}
+        if not shown:
+            return {}, JointReport(arrival=arrival)
         self._last = _Track(shown, stamp_ns)
         self._tracks |= dict.fromkeys(shown, self._last)
-        plan = _Plan() if rivals > 0 else _Plan.of(self._ranges, message, report)
-        self._plan = plan if len(plan.places) == len(shown) else _Plan()
+        usual = not (rivals or unmoved or report.non_finite.total or report.huge.total)  # every joint has moved
+        self._plan = _Plan.of(self._ranges, message, report) if usual else _Plan()
         return shown, report._replace(joints=tuple(shown), arrival=arrival, unmoved=NameList.of(unmoved))
 
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """Joints that were last moved by the same message. The usual next message updates the track in place."""
+    """Joints that were last moved by the same message. A message that takes the shortcut updates the track in place."""
 
     positions: Mapping[str, float]  # the positions in that message; some of these joints may have moved since
-    stamp_ns: float
+    stamp_ns: float  # the message's; -inf before the first message
     dropped: int = 0  # rivals' messages in a row since then
 
 
 class _Publishers:
     """Tells the publishers of one topic apart by their messages, because in rclpy a message does not name its sender.
 
-    With as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. Otherwise a
-    message is a rival's if it is older than the last one, over 10 s newer, or makes a joint jump. Once a
-    single rival's position of that joint is known, only a jump to it counts. If publishers agree, it shows them all.
+    If there are as many separate sets of joints as publishers, no joint is shared, unless one keeps jumping back and
+    forth. Otherwise a message is a rival's if it is older than the last one, over 10 s newer, or makes a joint jump.
+    Once a single rival's position of the joint is known, only a jump to it counts. Publishers that agree are all shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
-        self._half_range = {joint: (upper - low) / 2 for joint, (low, upper) in ranges.items() if upper < SHOWABLE}
-        self._count, self._counted = count, 0
-        self._alone_for = 0  # messages until the publishers are counted again
-        self._groups: list[set[str]] = []  # joints that are published together
-        self._elsewhere: dict[str, float] = {}  # the rival's position of a joint
-        self._received: dict[str, tuple[float, float, float]] = {}  # latest and previous position, number of jumps back
+        self._half_range = {joint: (upper - low) / 2 for joint, (low, upper) in ranges.items()}  # more is a jump
+        self._count_publishers, self._last_count = count, 0
+        self._until_recount = 0  # messages until the publishers are counted again
+        self._groups: list[set[str]] = []  # separate sets of joints that are published together
+        self._rival_positions: dict[str, float] = {}  # where a rival last had each joint
+        self._history: dict[str, tuple[float, float, float]] = {}  # last position, position before last, jumps back
 
     def alone(self) -> bool:
         """Return whether there is only one publisher. Publishers are counted once every few messages."""
-        self._alone_for -= 1
-        return self._alone_for >= 0 or self._recount() <= 1
+        self._until_recount -= 1
+        return self._until_recount >= 0 or self._recount() <= 1
 
     def rivals(self, positions: Mapping[str, float]) -> int:
         """Note which joints are published together, and count the other publishers that may share them."""
-        count, group = self._recount(), set(positions)
-        apart = [each for each in self._groups if each.isdisjoint(group)] if count > 1 else []
-        self._groups = [*apart, group.union(*(each for each in self._groups if each not in apart))]
-        shared = count > 1 and max([self._jumps_back(*each) for each in positions.items()]) >= SHARED
-        return max(count - 1 - len(apart), shared)  # each separate set of joints has its own publisher
-
-    def _jumps_back(self, joint: str, position: float) -> float:
-        """Count jumps of a joint back to its position before last. Any other jump subtracts a quarter."""
-        last, before, jumps = self._received.get(joint, (position, inf, 0))
-        moved = abs(position - last)
-        if moved > min(REACH, self._half_range.get(joint, inf)):
-            jumps = jumps + 1 if abs(position - before) < moved / 5 else max(jumps - 0.25, 0)
-        self._received[joint] = position, last, jumps
-        return jumps
+        count, joints = self._recount(), set(positions)
+        apart = [group for group in self._groups if count > 1 and group.isdisjoint(joints)]
+        self._groups = [*apart, joints.union(*(group for group in self._groups if group not in apart))]
+        shared = count > 1 and max([self._jumps_back(*each) for each in positions.items()]) >= SHARED_AFTER
+        return max(count - 1 - len(apart), shared)  # each group apart has its own publisher
 
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
         """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
         ahead = stamp_ns - track.stamp_ns
-        if rivals <= 0 and not track.dropped:  # these joints have one publisher, and it sent the last message
-            restarted = ahead < -SECOND_NS or (ahead < 0 and stamp_ns <= 0)
-            return Arrival.RESTARTED if restarted else Arrival.LATE if ahead < 0 else Arrival.NEXT
-        if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead, rivals):
+        if not rivals and not track.dropped:  # these joints have one publisher, and it sent the last message
+            back = Arrival.RESTARTED if ahead < -SECOND_NS or stamp_ns <= 0 else Arrival.LATE
+            return back if ahead < 0 else Arrival.NEXT
+        if 0 <= ahead <= PAUSE_NS and not self._jumps_to_rival(track, positions, ahead, rivals):
             return Arrival.NEXT
         track.dropped += 1
-        silent = track.dropped >= SILENT_AFTER * rivals  # true at once if no rival is left
-        self._elsewhere |= {joint: track.positions.get(joint, inf) for joint in positions} if silent else positions
-        return Arrival.SWITCHED if silent else Arrival.ANOTHER
+        switches = track.dropped >= SILENT_AFTER * rivals  # at once if no rival is left
+        rival = track.positions if switches else positions  # from now on, whoever is not followed is the rival
+        self._rival_positions |= {joint: rival[joint] for joint in positions}
+        return Arrival.SWITCHED if switches else Arrival.ANOTHER
 
-    def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
+    def _jumps_to_rival(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
         """Return whether a joint moves further than its publisher could, to a place where a rival may have it."""
         reach = REACH + SPEED * ahead / SECOND_NS
-        moved = {joint: abs(position - track.positions.get(joint, position)) for joint, position in positions.items()}
-        far = [joint for joint in moved if moved[joint] > min(reach, self._half_range.get(joint, inf))]
-        off = {joint: abs(positions[joint] - self._elsewhere.get(joint, positions[joint])) for joint in far}
-        return any(rivals > 1 or off[joint] < moved[joint] / 3 for joint in far)
+        moved = {joint: abs(position - track.positions[joint]) for joint, position in positions.items()}
+        far = [joint for joint in moved if moved[joint] > min(reach, self._half_range[joint])]
+        off = {joint: abs(positions[joint] - self._rival_positions.get(joint, positions[joint])) for joint in far}
+        return any(rivals > 1 or off[joint] < NEAR_RIVAL * moved[joint] for joint in far)
+
+    def _jumps_back(self, joint: str, position: float) -> float:
+        """Count the jumps of a joint back to its position before last. A different jump cancels part of one."""
+        last, before, jumps = self._history.get(joint, (position, inf, 0))
+        moved = abs(position - last)
+        if moved > min(REACH, self._half_range[joint]):
+            jumps = jumps + 1 if abs(position - before) < NEAR * moved else max(jumps - CANCELLED, 0)
+        self._history[joint] = position, last, jumps
+        return jumps
 
     def _recount(self) -> int:
-        count = self._count()
-        if count < self._counted:  # a publisher has left, and it is unknown which
-            self._groups, self._elsewhere, self._received = [], {}, {}
-        self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY - 1
+        count = self._count_publishers()
+        if count < self._last_count:  # a publisher has left, and it is unknown which
+            self._groups, self._rival_positions, self._history = [], {}, {}
+        self._last_count, self._until_recount = count, 0 if count > 1 else COUNT_EVERY - 1
         return count
 
 
 class _Plan(NamedTuple):
-    """Where to find each joint's position in any message with these names."""
+    """A shortcut for messages with the same names as the last one: the index of each joint's position."""
 
     names: Sequence[str] = ()
     length: int = 0  # the number of positions
@@ -287,13 +288,12 @@ class _Plan(NamedTuple):
         return cls(list(message.name), len(message.position), places, report._replace(outside=NameList()))
 
     def positions(self, received: Sequence[float]) -> dict[str, float] | None:
-        """Return the position of each joint, or None if a position is out of range."""
+        """Return the position of each joint; None if one is out of range."""
         found = {}
         for joint, i, low, high in self.places:
-            position = received[i]
+            found[joint] = position = received[i]
             if not low <= position <= high:
                 return None
-            found[joint] = position
         return found
 
 
