@@ -1,10 +1,10 @@
 """Handing work from one thread to another: the first of the two ideas that the tutorial is about.
 
 A callback runs on the thread of its source: ROS 2's executor, a widget or a timer. It must not touch anything that
-belongs to a different thread, so it hands the news over and returns. There are two ways:
+belongs to a different thread, so it hands over what it received, and returns. There are two ways:
 
-- a *snapshot*, where only the newest value matters: `Latest`, and `CallScope.call_latest`;
-- an *event*, where every one matters: `CallScope.call_later`.
+- as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
+- as an *event*, if every one matters: `CallScope.call_later`.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
-CROWD = 1000  # waiting calls; more of them are logged as too many
-LONG_WAIT = 10.0  # [s]; a call that waits longer is logged
+CROWD = 1000  # waiting calls; a warning is logged if there are more
+LONG_WAIT = 10.0  # [s]; a warning is logged if a call waits longer
 BUSY = (
     "the main thread is too busy for the calls posted to it: %d waiting, the first for %.1f s. Do less in each call; "
     "if only the newest message matters, %s can post with call_latest(key, f, message)"
@@ -40,9 +40,9 @@ _log = logging.getLogger(__name__)
 
 
 class Latest(Generic[T]):
-    """A value under a lock: one thread puts the newest, another takes it.
+    """A value under a lock: one thread puts the newest, and other threads get it as often as they like.
 
-    A value is handed over, not copied: the giver must not change it afterwards, and the taker copies what it keeps.
+    The value is not copied, so nobody may change it after `put`.
 
     Args:
         value: what `get` returns until something is put.
@@ -66,9 +66,9 @@ class Latest(Generic[T]):
 class CallQueue:
     """Calls that any thread may post. The main thread's event loop runs them in the order of posting.
 
-    Underneath is one locked queue, and one `call_soon_threadsafe` that wakes the loop when the queue stops being empty.
-    One turn of the loop runs the calls that were queued when it began, so calls that post calls cannot block the loop.
-    A warning is logged once if many calls wait, or if one waits too long.
+    The first call in an empty queue requests a turn of the event loop with `call_soon_threadsafe`. A turn runs only the
+    calls that were waiting when it began, so that calls that post calls cannot block the loop. A warning is logged once
+    if many calls wait, or if one waits too long.
 
     Args:
         loop: the main thread's loop.
@@ -84,28 +84,28 @@ class CallQueue:
         self.error: BaseException | None = None
         self._lock = threading.Lock()
         self._waiting: OrderedDict[Hashable, _Call] = OrderedDict()
-        self._awake = False
+        self._turn_requested = False
         self._closed = False
-        self._told = False
+        self._warned = False
 
     def __len__(self) -> int:
-        """Return the number of waiting calls, including those of closed scopes."""
+        """Return the number of waiting calls, including those that a closed scope has cancelled."""
         return len(self._waiting)
 
     def scope(self, owner: str) -> CallScope:
-        """Return a scope for one poster. Closing it drops only its own calls. The log calls it `owner`."""
+        """Return a scope for one poster, which the log calls `owner`. Closing the scope cancels only its own calls."""
         return CallScope(self, owner)
 
     def close(self) -> None:
-        """Drop all waiting calls, and ignore calls posted from now on. Idempotent, any thread."""
+        """Remove all waiting calls, and ignore calls posted from now on. Idempotent, any thread."""
         with self._lock:
             self._closed = True
             self._waiting.clear()
 
     def _post(self, call: _Call, key: Hashable) -> None:
-        """Queue a call, or replace the waiting call with the same key. Drop it if the queue or its scope is closed."""
+        """Queue a call, or replace the waiting call with its key. Do nothing if the queue or the scope is closed."""
         with self._lock:
-            if self._closed or call.scope.closed or not self._wake():
+            if self._closed or call.scope.closed or not self._request_turn():
                 return
             if self._trace is not None:
                 call.handoff = self._trace.post()
@@ -113,43 +113,43 @@ class CallQueue:
             if replaced is not None:
                 call.take_place_of(replaced)
             self._waiting[key] = call  # a new key goes to the end, a known key keeps its place
-        self._tell()
+        self._warn_if_busy()
 
-    def _tell(self) -> None:
-        """Warn once that many calls wait, or that one has waited too long. Any thread."""
-        with self._lock:
-            if self._told or not self._waiting:
-                return
-            count, first = len(self._waiting), next(iter(self._waiting.values()))
-            waits = time.monotonic() - first.posted_at
-            told = self._told = count > CROWD or waits > LONG_WAIT
-        if told:
-            _log.warning(BUSY, count, waits, first.scope.owner)
-
-    def _wake(self) -> bool:
+    def _request_turn(self) -> bool:
         """Request a turn of the loop unless one is due. Return False if the loop is closed. Call with the lock held."""
-        if not self._awake:
+        if not self._turn_requested:
             try:
                 self._loop.call_soon_threadsafe(self._turn)
             except RuntimeError:  # the loop was closed before the queue
                 return False
-            self._awake = True
+            self._turn_requested = True
         return True
+
+    def _warn_if_busy(self) -> None:
+        """Warn once if many calls wait, or if one has waited too long. Any thread."""
+        with self._lock:
+            if self._warned or not self._waiting:
+                return
+            count, first = len(self._waiting), next(iter(self._waiting.values()))
+            waited = time.monotonic() - first.posted_at
+            if count <= CROWD and waited <= LONG_WAIT:
+                return
+            self._warned = True
+        _log.warning(BUSY, count, waited, first.scope.owner)
 
     def _turn(self) -> None:
         """Run the calls that wait now; calls posted meanwhile get the next turn. Main thread."""
         try:
-            self._tell()
+            self._warn_if_busy()
             for _ in range(len(self._waiting)):
-                call = self._next()
-                if call is None:
+                if (call := self._next()) is None:  # the queue was closed meanwhile
                     break
                 call.run()
-        finally:  # even after a KeyboardInterrupt, because a notebook's loop continues, with the waiting calls
+        finally:  # even after a KeyboardInterrupt, because a notebook's loop goes on, and the calls still wait
             with self._lock:
-                self._awake = False
+                self._turn_requested = False
                 if self._waiting:
-                    self._wake()
+                    self._request_turn()
 
     def _next(self) -> _Call | None:
         with self._lock:
@@ -157,10 +157,10 @@ class CallQueue:
 
 
 class CallScope:
-    """One poster's access to a `CallQueue`. Once the scope is closed, its waiting calls will not run.
+    """One poster's access to a `CallQueue`.
 
     Attributes:
-        queue: holds its calls.
+        queue: the queue.
         owner: the poster's name, for the log.
         closed: whether `close` was called.
     """
@@ -171,7 +171,7 @@ class CallScope:
         self.closed = False
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Run ``function(*args)`` on the main thread. No call is lost, and their order stays. Any thread."""
+        """Have the main thread run ``function(*args)``. No call is lost, and their order is kept. Any thread."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
         self.queue._post(call, call)  # a unique key, so it replaces nothing
@@ -182,7 +182,7 @@ class CallScope:
         self.queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 
     def close(self) -> None:
-        """Drop its waiting calls, and ignore calls posted from now on. Idempotent, any thread.
+        """Cancel its waiting calls, and ignore calls posted from now on. Idempotent, any thread.
 
         A call that is already running continues, so only the main thread can be sure that nothing runs afterwards.
         """
@@ -215,14 +215,14 @@ class _Call:
             self.handoff.apply()
         try:
             self.function(*self.args)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - the other calls go on
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - the calls after it still have to run
             self.scope.queue.error = error
             posted = f"{self.frame_code.co_filename}:{self.frame_line} on the thread {self.thread!r}"
             _log.exception("%s: a call posted at %s failed", self.scope.owner, posted)
 
 
 class ThreadGuard:
-    """Remembers the thread that made it, and raises an error on any other thread.
+    """Remembers the thread that made it, and raises an error on every other thread.
 
     Args:
         what: the guarded thing, as the error should name it, for instance ``"the body 'Tank'"``.
