@@ -21,7 +21,8 @@ REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
 REPORT_EVERY = 5.0  # [s] between two warnings that the machine can't keep up
 STUCK = 3.0  # [s] that a caller waits for controllers to return
-SLOW = 0.95  # fraction of real time; if it is lower, the machine can't keep up
+SLOW = 0.95  # times real time; if the simulation runs more slowly, the machine can't keep up
+LONGEST_BATCH = 0.1  # [s] of simulated time per batch of steps, so that a stop takes effect soon
 
 _log = logging.getLogger(__name__)
 
@@ -40,7 +41,7 @@ class Simulation:
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
     `stop`. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is initialized
-    with. Any thread may call the methods, but a controller may not.
+    with. Any thread may call the methods, except `copy_to`; a controller may call none of them.
 
     Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
     a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:
@@ -54,8 +55,8 @@ class Simulation:
     ABANDONED  refused         never        never                never
     =========  ==============  ===========  ===================  ============================
 
-    A run is over after its duration, after `stop`, or after Ctrl-C. Outside of a run, only the `stop` of controllers is
-    called. If that raises in `release` during a run, the run continues, and ends in FAILED.
+    A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, the only method of a
+    controller that is called is `stop`. If it raises during a run, in `release`, the run goes on, and ends in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
@@ -88,15 +89,15 @@ class Simulation:
         self.snapshot = Latest(self.world.snapshot())
         self.state = State.IDLE
         self.error: ControllerError | None = None
-        # Two locks, always taken in this order. Methods that start, stop or change something take turns, and keep the
-        # turn while they wait for controllers. A change of state needs only the second lock, which is never held while
-        # a controller runs. So a run can record its end while stop() holds the turn and waits for it.
+        # Two locks, always taken in this order. Methods that start, stop or change something take turns, and hold the
+        # first lock even while they wait for controllers. A change of state needs only the second lock, which nobody
+        # holds while a controller runs. So a run can record its end while stop() has the turn and waits for that end.
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
-        # Two runs, because release() stops some controllers on one thread while a different thread steps the rest.
-        # Each is the last run of its kind. Both are initially a run that has already finished.
-        self._stepping = self._stopping = Run(threading.current_thread())
-        self._stepping.finished.set()
+        # The last run that stepped, and the last one that stopped controllers. They can overlap: release() stops some
+        # controllers while a different thread steps the rest. Before the first run, both are one that has finished.
+        self._step_run = self._stop_run = Run(threading.current_thread())
+        self._step_run.finished.set()
 
     @property
     def running(self) -> bool:
@@ -144,21 +145,22 @@ class Simulation:
         """
         if seconds < 0:
             raise TutorialError(f"advance({seconds}): time cannot run backwards. Give seconds >= 0.")
-        run, error = Run(threading.current_thread()), None
-        try:
+        run = Run(threading.current_thread())
+        error = None
+        try:  # before the run begins, so that a Ctrl-C at any moment ends the run
             with self._turn("advance()"):
                 self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
                 self._begin(run)
             self.world.initialize(run)
-            done = self.world.run_steps(run, round(seconds / self.time_step))
+            is_complete = self.world.run_steps(run, round(seconds / self.time_step))
         except ControllerError as raised:
             error = raised
             raise
         finally:
             self._end(run, error)
-        if run.abandoned:
+        if run.abandoned:  # by a thread that waited for it in stop() or release()
             self._check_abandoned()
-        if not done:
+        if not is_complete:
             raise TutorialError(f"another thread stopped advance({seconds}) at {self.time:.3f} s. Call it again.")
 
     def start(self, duration: float | None = None) -> None:
@@ -184,8 +186,8 @@ class Simulation:
         The thread of a controller that does not return lives until the process ends; `error` names its current line.
         """
         with self._turn("stop()"):
-            self._stepping.stopping.set()
-            self._wait_for(self._stepping)
+            self._step_run.stopping.set()
+            self._wait_for(self._step_run)
             if self.world.initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(self.world.dismiss())
 
@@ -201,16 +203,16 @@ class Simulation:
         with self._turn("release()"):
             self._check_abandoned()
             leaving = self.world.release(body)
-            if not self._stepping.wait_for_lap(STUCK):  # until then, a step may still call the leaving controllers
-                self._abandon(self._stepping)
+            if not self._step_run.wait_for_lap(STUCK):  # until then, a step may still call the leaving controllers
+                self._abandon(self._step_run)
             if self.world.initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)
             self._check_abandoned()
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Let one caller at a time start, stop or change something. A controller may not: it would wait for itself."""
-        if self._stepping.is_mine() or self._stopping.is_mine():
+        """Let one caller at a time start, stop or change something, but no controller: it would wait for itself."""
+        if self._step_run.is_mine() or self._stop_run.is_mine():
             raise TutorialError(
                 f"{caller} was called by a controller, and would wait for it forever. Call it elsewhere."
             )
@@ -235,12 +237,12 @@ class Simulation:
     def _begin(self, run: Run) -> None:
         """Go to RUNNING: a run begins."""
         with self._state_lock:
-            self.state, self.error, self._stepping = State.RUNNING, None, run
+            self.state, self.error, self._step_run = State.RUNNING, None, run
 
     def _end(self, run: Run, error: ControllerError | None) -> None:
-        """Go to IDLE, or to FAILED after an error. Do nothing for a run that was abandoned or never began."""
+        """Go to IDLE, or to FAILED after an error. Do nothing if the run was abandoned or never began."""
         with self._state_lock:
-            if self._stepping is not run or run.finished.is_set():
+            if self._step_run is not run or run.finished.is_set():
                 return
             self.snapshot.put(self.world.snapshot())
             self.error = error or self.error
@@ -248,7 +250,7 @@ class Simulation:
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
-        """Go from IDLE to FAILED if stopping a controller failed. During a run, leave that to the end of the run."""
+        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, let its end do that."""
         with self._state_lock:
             if error is not None and not run.abandoned:
                 self.error = error
@@ -256,7 +258,7 @@ class Simulation:
             run.finished.set()
 
     def _abandon(self, stuck: Run) -> None:
-        """Go to ABANDONED: give up a controller that does not return, and all that it may still touch."""
+        """Go to ABANDONED: give up a controller that does not return, and everything that it may still touch."""
         with self._state_lock:
             if stuck.finished.is_set():
                 return
@@ -265,8 +267,8 @@ class Simulation:
             text = f"{problem}. Fix it, then open its program again: this simulation cannot go on."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             stuck.abandon()
-            if not self._stepping.finished.is_set():
-                self._stepping.abandon()
+            if not self._step_run.finished.is_set():
+                self._step_run.abandon()
         _log.error("%s", text)
 
     def _wait_for(self, run: Run) -> None:
@@ -274,15 +276,15 @@ class Simulation:
         if not run.finished.wait(STUCK):
             self._abandon(run)
         if run.is_own and not run.abandoned:
-            run.thread.join(STUCK)  # it has nothing left to do
+            run.thread.join(STUCK)  # the thread has nothing left to do
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a separate thread, which can be abandoned if one of them does not return."""
-        self._stopping = Run.on_own_thread(
+        self._stop_run = Run.on_own_thread(
             lambda run: self._end_stopping(run, self.world.stop_controllers(run, controllers))
         )
-        self._stopping.thread.start()
-        self._wait_for(self._stopping)
+        self._stop_run.thread.start()
+        self._wait_for(self._stop_run)
 
     def _main(self, run: Run, last_step: int | None) -> None:
         """Initialize and step, on the run's own thread."""
@@ -297,13 +299,10 @@ class Simulation:
         self._end(run, failed)
 
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
-        """Step so that simulated time follows real time.
-
-        The pace is measured from a fixed origin, so rounding and late wake-ups don't add up.
-        """
+        """Step so that simulated time follows real time. The origin is fixed, so that late wake-ups don't add up."""
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
-            sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because a simulation that ends resets it
+            sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because the end of any simulation resets it
             due = pace.steps_due(self.step)
             if last_step is not None:
                 due = min(due, last_step - self.step)
@@ -319,7 +318,7 @@ class _Pace:
     def __init__(self, step: int, time_step: float) -> None:
         self._time_step = time_step
         self._origin = time.perf_counter() - step * time_step  # when step 0 would have been
-        self._lost, self._since = 0.0, time.perf_counter()
+        self._lost, self._since = 0.0, time.perf_counter()  # [s] skipped since the last report
 
     def steps_due(self, step: int) -> int:
         """Return how many steps to take now, after ``step`` steps."""
@@ -334,4 +333,4 @@ class _Pace:
             if ratio < SLOW:
                 _log.warning("this machine can't keep up: the simulation runs at %.2f times real time", ratio)
             self._lost, self._since = 0.0, now
-        return int(min(debt, 0.1) / self._time_step)  # small batches, so that a stop takes effect soon
+        return int(min(debt, LONGEST_BATCH) / self._time_step)
