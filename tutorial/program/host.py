@@ -34,10 +34,10 @@ _log = logging.getLogger(__name__)
 
 
 class Host(AbstractAsyncContextManager["Host"]):
-    """A program that runs a project: it simulates or only displays, as the project says.
+    """A program that runs a project: it simulates, or only displays, if the project has no simulator.
 
     It belongs to the thread that makes it, the main thread, whose event loop must be running. Use ``async with
-    Host(project)`` in a script's `asyncio.run`, or in a notebook's cell.
+    Host(project)`` in a notebook's cell, or in a coroutine that a script passes to `asyncio.run`.
 
     Args:
         project: the project to run.
@@ -52,7 +52,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         note: text at the start of the line below the view, until the next run.
 
     Raises:
-        TutorialError: a controller does not fit its body; or, at the end of the context, failed to leave it.
+        TutorialError: a controller does not fit its body; or, at the end of the context, one has failed to leave it.
     """
 
     def __init__(
@@ -66,8 +66,8 @@ class Host(AbstractAsyncContextManager["Host"]):
         self.simulation: Simulation | None = None
         self._closed = False
         self._items: dict[str, Item] = {}
-        self._displayed: DisplayedRun | None = None  # the last run, if the program only displays
-        self._shown = 0.0  # simulated time of the displayed state [s]
+        self._last_run: DisplayedRun | None = None  # stays None if the program simulates
+        self._snapshot_time = 0.0  # simulated time of the snapshot that the displayed bodies show [s]
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._cameras = CameraRenderer()
         self._ros = NodeThread("tank", ros_args, trace)
@@ -77,24 +77,24 @@ class Host(AbstractAsyncContextManager["Host"]):
         if view is not None:
             view.scene.catch_up = self._draw
         try:
-            clock = [ClockPublisher(self.node)] if project.clock else []
-            for entry in project.bodies:  # messages arrive from now on, and wait until the loop runs
-                self._show(entry, project.time_step is not None)
-            # The view shows robots alone close up, and robots in a laboratory or the like from afar.
+            clock: list[tuple[str, SimpleController]] = [("", ClockPublisher(self.node))] if project.clock else []
+            for entry in project.bodies:  # from now on, messages arrive; the calls that they post wait for the loop
+                self._add(entry, simulates=project.time_step is not None)
+            # Look closely, unless there is also a body without controllers, such as a laboratory.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
                 view.look_at_bodies(*self._items)
             if project.time_step is not None:
                 placements = [entry.placement for entry in project.bodies]
-                controllers: list[tuple[str, SimpleController]] = [("", each) for each in clock]
-                controllers += [(name, each) for name, item in self._items.items() for each in item.controllers]
-                self.simulation = Simulation(placements, controllers, project.time_step, self._cameras.camera)
+                controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
+                self.simulation = Simulation(placements, clock + controllers, project.time_step, self._cameras.camera)
         except BaseException:
             self.close()
             raise
 
     async def __aexit__(self, kind: object, *_: object) -> None:
         self.close()
-        if kind in (None, asyncio.CancelledError) and any(item.failed for item in self._items.values()):
+        ends_well = kind in (None, asyncio.CancelledError)  # any other error must not be replaced
+        if ends_well and any(item.failed for item in self._items.values()):
             raise TutorialError("a controller failed in unconfigure(). The log shows where.")
 
     async def run(
@@ -104,8 +104,8 @@ class Host(AbstractAsyncContextManager["Host"]):
 
         Args:
             duration: how long [s], in simulated time if the project simulates; None to run until cancelled.
-            linger: if the program only displays, the longest wait after the duration [s] for the publishers to leave
-                and their messages to be shown.
+            linger: if the program only displays, how long to wait after the duration [s], at most, until the publishers
+                have left and their messages have been applied.
             progress: called with `seconds` once every frame.
 
         Raises:
@@ -122,7 +122,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.refresh()
                 if progress is not None:
                     progress(self.seconds)
-                due = max(due + FRAME, time.monotonic())  # on schedule, however long drawing takes
+                due = max(due + FRAME, time.monotonic())  # at a fixed rate, unless drawing takes longer than a frame
                 await asyncio.sleep(due - time.monotonic())
         finally:
             if self.simulation is not None:
@@ -132,12 +132,12 @@ class Host(AbstractAsyncContextManager["Host"]):
             raise self.simulation.error
 
     def refresh(self) -> None:
-        """Show the changes since the last frame. `run` does this; call it while nothing runs."""
+        """Show the changes since the last frame. `run` does this; call it yourself when no run is active."""
         if self._closed:
             return
         self._neighbours.check()
         if self.simulation is not None:
-            self._shown = self.simulation.copy_to(self.bodies.values())
+            self._snapshot_time = self.simulation.copy_to(self.bodies.values())
         if self._view is not None and self._view.scene.watched:
             self._draw()
 
@@ -156,19 +156,19 @@ class Host(AbstractAsyncContextManager["Host"]):
         if name in self._items:
             raise TutorialError(f"there already is a body {name!r}. Remove it first, or rename the new one.")
         try:
-            self._show(entry, simulates=False)
+            self._add(entry, simulates=False)
         except BaseException:
             if name in self._items:
                 self.remove(name)
             raise
 
     def remove(self, name: str) -> None:
-        """Remove a displayed body: its controllers leave it, and their waiting calls are dropped.
+        """Have a body's controllers leave it, cancel their waiting calls, and remove the body from the program.
 
-        This also clears earlier errors, because they may have come from that body.
+        A simulated copy stays in its world. All earlier errors are cleared, because that body may have caused them.
 
         Raises:
-            ControllerError: a controller does not return; the body is still removed.
+            ControllerError: a controller does not return; the body is removed anyway.
             TutorialError: there is no such body.
         """
         if name not in self._items:
@@ -183,7 +183,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self._view.remove(name)
 
     def close(self) -> None:
-        """End the simulation, the controllers and the node. Idempotent; after an interruption, call it again."""
+        """End the simulation, the controllers and the node. Idempotent; if Ctrl-C interrupts it, call it again."""
         self._closed = True
         try:
             if self.simulation is not None:
@@ -212,25 +212,25 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def seconds(self) -> float:
-        """How long the program has run [s]: simulated time if it simulates."""
+        """Simulated time [s]; if the program only displays, how long its last run has taken."""
         if self.simulation is not None:
             return self.simulation.time
-        return self._displayed.seconds if self._displayed is not None else 0.0
+        return self._last_run.seconds if self._last_run is not None else 0.0
 
     @property
     def error(self) -> BaseException | None:
-        """The last error of the simulation, a callback or a posted call since the last start; None without one."""
-        others = self._ros.error or self._cameras.error or self._calls.error
-        return (self.simulation and self.simulation.error) or others
+        """The last error of the simulation, or else of a callback, a camera or a posted call, since the last start."""
+        simulated = self.simulation.error if self.simulation is not None else None
+        return simulated or self._ros.error or self._cameras.error or self._calls.error
 
     def forget_errors(self) -> None:
-        """Clear the note and the errors of callbacks and posted calls. `run` does this. Main thread."""
+        """Clear the note, and all errors but the simulation's. Each `run` begins with this. Main thread."""
         self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
     def shown_at(self) -> float:
         """Return the time of the displayed state [s]: simulated time, or `time.monotonic` if nothing is simulated."""
-        return self._shown if self.simulation is not None else time.monotonic()
+        return self._snapshot_time if self.simulation is not None else time.monotonic()
 
     def joint_positions(self) -> dict[str, float]:
         """Return the positions of the displayed joints, by ``"body joint"`` [rad, or m for slide joints]."""
@@ -240,8 +240,8 @@ class Host(AbstractAsyncContextManager["Host"]):
         """Return a summary of the run for the current bodies. See `tutorial.program.record`."""
         return make_record(self.node.get_name(), self.seconds, self.node.meters, list(self._items.values()))
 
-    def _show(self, entry: BodyItem, simulates: bool) -> None:
-        """Display a body, and have its controllers join it."""
+    def _add(self, entry: BodyItem, simulates: bool) -> None:
+        """Add a body to the program and its view, and have its controllers join it."""
         name = entry.placement.name
         item = self._items[name] = Item(entry.placement, self.node, self._calls)
         if self._view is not None:
@@ -253,8 +253,8 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     def _begin_run(self, duration: float | None, linger: float) -> SimulatedRun | DisplayedRun:
         if self.simulation is None:
-            self._displayed = DisplayedRun(self.node, self._calls, duration, linger)
-            return self._displayed
+            self._last_run = DisplayedRun(self.node, self._calls, duration, linger)
+            return self._last_run
         self.simulation.start(duration)
         return SimulatedRun(self.simulation, duration is not None)
 
