@@ -1,7 +1,7 @@
-"""Records when each message was received, posted and applied, and the threads, to make the hand-off visible.
+"""Records when, and on which thread, each message was received, posted and applied, to make the hand-off visible.
 
-Without a trace, a program spends one attribute lookup per message and per call. A trace keeps only the newest handoffs,
-so it can stay switched on.
+A program without a trace spends one check per message and per call. A trace keeps only the newest handoffs, so it can
+stay switched on.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ class Moment:
 
 @dataclass
 class Handoff:
-    """The path of one message through a program, or of one call that was not posted for a message.
+    """The path of one message through a program, or of a call that was posted outside of any message's callback.
 
-    A message whose callback posts several calls has one handoff for each call.
+    If a callback posts several calls, the message has a handoff for each of them.
 
     Attributes:
-        topic: the message's topic, or None for a call that was posted outside of any message's callback.
+        topic: the message's topic; None for a call without a message.
         received: when the message's callback began.
-        handled: when its callback returned.
-        posted: when a call was posted.
-        applied: when that call began to run.
+        handled: when the callback returned; only in the message's first handoff.
+        posted: when the call was posted.
+        applied: when the call began to run.
         superseded: when a newer call with the same key replaced it.
     """
 
@@ -59,7 +59,7 @@ class Handoff:
     def outcome(self) -> str:
         """``"applied"``, ``"superseded"``, ``"waiting"``, or ``"handled"`` if the callback posted nothing.
 
-        A call that was dropped because its scope was closed stays ``"waiting"``.
+        A call that was cancelled because its scope was closed stays ``"waiting"``.
         """
         if self.applied is not None:
             return "applied"
@@ -72,20 +72,20 @@ class Handoff:
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
-        """Record that a newer call replaced this one. The recorded time is that of the newer call's posting."""
+        """Record that a newer call replaced this one, at the time when the newer one was posted."""
         self.superseded = newer.posted if newer is not None else Moment.now()
 
 
 class HandoffTrace:
-    """The newest handoffs of a program. May be used from any thread.
+    """The newest handoffs of a program. Any thread can use it.
 
-    Give it to `tutorial.handoff.CallQueue`, and to the `tutorial.ros.node_thread.NodeThread` of its node.
+    Give it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
         capacity: how many handoffs to keep; the oldest are dropped.
 
     Attributes:
-        handled: the number of messages whose callbacks have returned, kept or not.
+        handled: the number of messages whose callbacks have returned, including those that are no longer kept.
     """
 
     def __init__(self, capacity: int = 200) -> None:
@@ -96,7 +96,7 @@ class HandoffTrace:
 
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
-        """Assign the calls that are posted inside this context to a message. Use it on the callback's thread.
+        """Record a message's callback, which runs inside this context, and attribute the calls that it posts to it.
 
         Args:
             topic: the message's topic.
@@ -116,17 +116,17 @@ class HandoffTrace:
     def post(self) -> Handoff:
         """Record that a call is posted. Return its handoff; call `apply` or `supersede` on that later."""
         message: Handoff | None = getattr(self._current, "message", None)
-        if message is not None and message.posted is None:
+        if message is not None and message.posted is None:  # the callback's first call
             message.posted = Moment.now()
             return message
-        another = Handoff(posted=Moment.now())
+        handoff = Handoff(posted=Moment.now())
         if message is not None:
-            another.topic, another.received = message.topic, message.received
-        self._keep(another)
-        return another
+            handoff.topic, handoff.received = message.topic, message.received
+        self._keep(handoff)
+        return handoff
 
     def handoffs(self) -> list[Handoff]:
-        """Return copies of the newest handoffs, in the order of their beginnings."""
+        """Return copies of the newest handoffs, oldest first."""
         with self._lock:
             return [copy.copy(handoff) for handoff in self._kept]
 
