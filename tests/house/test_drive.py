@@ -32,7 +32,7 @@ def drive_page(monkeypatch):
     return drive_page
 
 
-IN_THE_PAGE = """
+BEHAVIOURS = """
 import json, sys
 from behaviours import outcome
 import cyclonedds, rclpy
@@ -41,24 +41,65 @@ print(json.dumps([outcome(*snippet) for snippet in json.load(sys.stdin)]))
 """
 
 
-@pytest.mark.pocket
-def test_its_rclpy_behaves_like_a_real_one(drive_page, tmp_path, domain):
-    drive_page.write_python(tmp_path)
-    (tmp_path / "numpy.py").unlink()  # some snippets need the real numpy
-    rows = recorded()
+def in_the_page(code, given, folder, domain):
+    """Run code in a process that imports the page's modules. Return what it prints as JSON."""
     done = subprocess.run(
-        [sys.executable, "-c", IN_THE_PAGE, str(tmp_path)],
-        input=json.dumps([(row["prelude"], row["code"]) for row in rows]),
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(SUPPORT)]), "ROS_DOMAIN_ID": str(domain)},
+        [sys.executable, "-c", code, str(folder)],
+        cwd=folder,
+        input=json.dumps(given),
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(SUPPORT)]), "ROS_DOMAIN_ID": str(domain)},
         capture_output=True,
         text=True,
         check=False,
         timeout=280,
     )
     assert done.returncode == 0, done.stderr
-    for row, seen in zip(rows, json.loads(done.stdout), strict=True):
+    return json.loads(done.stdout)
+
+
+@pytest.mark.pocket
+def test_its_rclpy_behaves_like_a_real_one(drive_page, tmp_path, domain):
+    drive_page.write_python(tmp_path)
+    (tmp_path / "numpy.py").unlink()  # some snippets need the real numpy
+    rows = recorded()
+    found = in_the_page(BEHAVIOURS, [(row["prelude"], row["code"]) for row in rows], tmp_path, domain)
+    for row, seen in zip(rows, found, strict=True):
         expected = {"printed": row["printed"], "raises": row.get("raises"), "logged": sorted(row.get("logged", ()))}
         assert seen == expected, row["code"]
+
+
+RUN = """
+import asyncio, json, sys
+from types import SimpleNamespace
+from unittest.mock import MagicMock
+sys.modules["pyodide"] = sys.modules["pyodide.ffi"] = mujoco = MagicMock()
+mujoco.MjModel.from_xml_string.return_value = SimpleNamespace(nq=0, nv=0, nu=0)
+from page_program import Program
+
+async def main():
+    setup, lines = json.load(sys.stdin), []
+    program = Program(mujoco, SimpleNamespace(to_py=lambda: setup), MagicMock(), lines.append)
+    print(json.dumps([program.run(setup["source"]), lines]))
+
+asyncio.run(main())
+"""
+MINE = """
+from tutorial.controller import SimpleController
+from tutorial.joints import JointReport
+
+class Mine(SimpleController):
+    def configure(self, config):
+        config.body.notify_change()
+        config.body.notify_change(JointReport())
+"""
+
+
+@pytest.mark.pocket
+def test_a_change_without_a_message_keeps_the_line(drive_page, tmp_path, domain):
+    drive_page.write_python(tmp_path)
+    setup = {"node": "viewer", "simulates": False, "xml": "", "joints": [], "actuators": {}, "others": []}
+    setup |= {"controller": "Mine", "file": str(tmp_path / "mine.py"), "source": MINE}
+    assert in_the_page(RUN, setup, tmp_path, domain) == ["", ["0 joints shown"]]
 
 
 def test_its_tank_drives_as_in_the_course(drive_page, tmp_path):

@@ -41,7 +41,7 @@ class Program:
         self._own = setup["controller"]
         self._file = Path(setup["file"]).absolute()
         self._bodies = [Body(self.state, "Tank", setup["joints"], setup["actuators"]) for _ in range(2)]
-        self._bodies[0].on_change(lambda report: say(str(report)))
+        self._bodies[0].on_change(lambda report: None if report is None else say(str(report)))
         self.wire = wires[0]
         self.wire.send, self.wire.announce = wire.send, wire.announce
         rclpy.init(args=[], domain_id=0)
@@ -94,10 +94,10 @@ class Program:
             do(*arguments)
         except BaseException as error:  # noqa: BLE001 - the page shows every error
             self._has_failed = True
-            told = describe_error(error, str(self._file))
+            text = describe_error(error, str(self._file))
             if self._at_work:
-                return f"{self._at_work} failed at {self.step * TIME_STEP:.3f} s of simulated time: {told}"
-            return str(error) if isinstance(error.__cause__, Exception) else told
+                return f"{self._at_work} failed at {self.step * TIME_STEP:.3f} s of simulated time: {text}"
+            return str(error) if isinstance(error.__cause__, Exception) else text
         return ""
 
     def _make_node(self, name: str) -> Node:
