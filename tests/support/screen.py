@@ -153,7 +153,7 @@ class Learner:
                 self.missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
 
     async def _moving(self, number: int) -> set[str]:
-        """Return the views that already move. A busy machine draws them rarely, so look for a second if any did move."""
+        """Return the views that already move. A busy machine draws rarely: look for a second if any moved."""
         await self._look(number)
         moving: set[str] = set()
         for _ in range(10 if self._has_motion else 1):
