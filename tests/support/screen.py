@@ -7,7 +7,7 @@ from pathlib import Path
 
 import nbformat
 from lab import Notebook
-from loops import until
+from loops import TIMEOUT, until
 
 SEE = "**What you should see:**"
 HALF = 0.5  # of its area: then it counts as on the screen
@@ -62,6 +62,8 @@ LOOK = """([number, isStart]) => {
     const isDrawn = drawn.length >= widgets.length && curtains.every((curtain) => curtain.hidden);
     return [sights, isDrawn];
 }"""
+IDLE = "() => new Promise((resolve) => requestIdleCallback(resolve, {timeout: 1000}))"
+"""Lets the page do its own work first: a busy page that is only looked at never handles the kernel's messages."""
 HEIGHT = """([first, said]) => {
     const panel = document.querySelector(".jp-NotebookPanel:not(.lm-mod-hidden) .jp-WindowedPanel-outer");
     const cells = [...panel.querySelectorAll(".jp-Cell")].map((cell) => [Number(cell.dataset.windowedListIndex), cell]);
@@ -128,7 +130,6 @@ class Learner:
         unseen: dict[str, int] = {}
 
         async def is_drawn() -> bool:
-            await asyncio.sleep(GLANCE)
             sights, drawn = await self._look(number)
             for name in {sight.name for sight in sights if sight.moves} - _on_screen(sights):
                 unseen[name] = unseen.get(name, 0) + 1
@@ -138,9 +139,9 @@ class Learner:
             await is_drawn()
             return not await self._notebook.is_busy()
 
-        await until(has_run, f"cell {number} to be done")
+        await until(has_run, f"cell {number} to be done", 2 * TIMEOUT)
         assert await self._notebook.errors() == []
-        await until(is_drawn, f"what cell {number} shows to be drawn")
+        await until(is_drawn, f"what cell {number} shows to be drawn", 2 * TIMEOUT)
         sights, _ = await self._look(number)
         gone = {sight.name for sight in sights if sight.has_moved} - _on_screen(sights)
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
@@ -157,12 +158,13 @@ class Learner:
         await self._look(number)
         moving: set[str] = set()
         for _ in range(10 if self._has_motion else 1):
-            await asyncio.sleep(GLANCE)
             sights, _ = await self._look(number, is_start=True)
             moving |= {sight.name for sight in sights if sight.moves}
         return moving
 
     async def _look(self, number: int, is_start: bool = False) -> tuple[list[Sight], bool]:
+        await asyncio.sleep(GLANCE)
+        await self._notebook.page.evaluate(IDLE)
         sights, drawn = await self._notebook.page.evaluate(_with_names(LOOK), [number, is_start])
         return [Sight(**sight) for sight in sights], drawn
 
