@@ -54,7 +54,7 @@ def pytest_configure() -> None:
 
 @pytest.fixture
 def program(domain: int) -> Iterator[Callable[..., Program]]:
-    """Start ``tank`` with some arguments, in a separate domain, and kill the rest of it at the end.
+    """Start ``tank`` with some arguments, in a separate domain, and kill what is left of it at the end.
 
     Print all output, which pytest shows if the test fails.
     """

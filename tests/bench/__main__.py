@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 from cell_view import cell_frame
@@ -30,7 +30,7 @@ Pair = tuple[Callable[[], float], Callable[[], float]]
 
 
 def measure(pair: Pair) -> list[float]:
-    """Return the medians of ours and the reference, measured alternately."""
+    """Return the medians of our times and the reference's, measured alternately."""
     ours, reference = pair
     taken = [(ours(), reference()) for _ in range(ROUNDS)]
     return [statistics.median(each) for each in zip(*taken)]

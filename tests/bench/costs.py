@@ -1,4 +1,4 @@
-"""Measure one step, one match, one import and one frame. Each function returns ours and the reference, in seconds."""
+"""Measure one step, one match, one import and one frame. Each function returns our time and the reference's [s]."""
 
 import itertools
 import subprocess

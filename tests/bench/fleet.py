@@ -11,7 +11,7 @@ import time
 from dataclasses import replace
 from itertools import count
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 import rclpy
@@ -43,7 +43,7 @@ def publish(tanks: int) -> None:
 
 
 async def show(tanks: int) -> float:
-    """Return the processor time of one tank's messages per second, once all tanks have been heard [s]."""
+    """Return the processor time of one tank's messages per second, once every tank has sent a message [s]."""
     project = Project.load(find_project("fleet"))
     view = View(scene := Scene())
     scene.attach(len)

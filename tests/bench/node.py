@@ -1,9 +1,9 @@
-"""Provide both ends with rclpy: the pocket one, or a real one."""
+"""Implement both ends with rclpy: the pocket one, or a real one."""
 
 from collections.abc import Callable
 from typing import Any
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 import rclpy

@@ -1,4 +1,4 @@
-"""Provide both ends with plain Cyclone DDS Python and the wire type of `JointState`, without ROS 2."""
+"""Implement both ends with plain Cyclone DDS Python and the wire type of `JointState`, without ROS 2."""
 
 import os
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Measure from publication to callback between two processes: with our node, plain Cyclone DDS Python, or a real rclpy.
+"""Measure how messages travel between two processes: with our node, plain Cyclone DDS Python, or a real rclpy.
 
 All publish the same message reliably, ``traffic.py publish|subscribe node|plain beat|flood|cost``: 100 times a second,
 stamped with the time; or as fast as they can, to count the messages that arrive.

@@ -21,7 +21,7 @@ EXERCISES = [each for those in exercises().values() for each in those]
 every_exercise = pytest.mark.parametrize("exercise", EXERCISES, ids=lambda exercise: exercise.name)
 
 
-def test_there_are_exercises_for_each_controller_and_each_is_called_by_its_name():
+def test_each_controller_has_exercises_with_their_own_names():
     names = {title.lstrip("0123456789_") for title in exercises()}
     files = {module.rpartition(".")[2] for module in controller_names().values()} - BESIDE
     assert all(sum(f"{file}_".startswith(f"{name}_") for name in names) == 1 for file in files)
@@ -52,7 +52,7 @@ TEXT = "Repair.\n\nRepair it.\n\nHint 1: Look.\n\nHint 2: Think.\n\nHint 3: Writ
 
 
 @pytest.mark.parametrize(("rights", "wrongs", "number"), [(0, 1, 1), (2, 1, 2), (3, 1, 3), (3, 2, 2)])
-def test_a_wrong_answer_is_told_which_hint_fits(rights, wrongs, number, monkeypatch):
+def test_a_wrong_answer_gets_the_hint_that_fits(rights, wrongs, number, monkeypatch):
     findings = [right("a")] * rights + [wrong("b", f"Cause {i}.") for i in range(wrongs)]
     exercise = Exercise("repair", TEXT, SimpleNamespace(solution=GentleTank))
     monkeypatch.setattr(exercise, "findings", lambda *_: findings)
@@ -80,7 +80,7 @@ def imports_and_cell(name):
 
 @pytest.mark.process
 @every_exercise
-def test_the_solution_as_printed_is_right_in_its_notebook_and_a_process_of_its_own(exercise, capfd):
+def test_the_printed_solution_is_right_in_its_notebook_and_in_a_separate_process(exercise, capfd):
     name = exercise.right_answer.__name__
     namespace = {"__name__": "__main__"}
     exec(imports_and_cell(name)[0], namespace)
@@ -112,7 +112,7 @@ FIRST_LOOK = [
 
 
 @pytest.mark.parametrize(("exercise", "answer", "said"), FIRST_LOOK, ids=lambda value: str(value)[:24])
-def test_what_cannot_be_run_is_said_at_once(exercise, answer, said, capsys):
+def test_an_answer_that_cannot_run_is_reported_at_once(exercise, answer, said, capsys):
     asyncio.run(exercise.check(answer))
     assert capsys.readouterr().out.startswith(said)
 

@@ -23,7 +23,7 @@ def test_right_answers_are_right(name, answer, domain):
 
 
 @pytest.mark.parametrize(("name", "answer", "causes"), WRONG, ids=named)
-def test_wrong_answers_are_told_their_causes(name, answer, causes, domain):
+def test_wrong_answers_get_their_causes(name, answer, causes, domain):
     wanted = [causes] if isinstance(causes, str) else causes
     verdict = EXERCISES[name].judge(answer)
     told = verdict.causes

@@ -42,7 +42,7 @@ def test_each_requirement_of_a_viewer_refuses_something(domain):
     assert {case.label for twins in VIEWERS.values() for case in twins.cases.cases} == refusing
 
 
-def test_what_is_missing_is_told_beside_a_known_mistake():
+def test_a_missing_part_is_reported_beside_a_known_mistake():
     twins = BY_NAME["gyro"]
     slip = next(each for each in twins.slips(missing) if "linear" in each.cause)
     both = slip, next(each for each in twins.cases.faults if "chassis" in each.cause)
@@ -52,14 +52,14 @@ def test_what_is_missing_is_told_beside_a_known_mistake():
 
 @pytest.mark.filterwarnings("ignore::SyntaxWarning")
 @every_table
-def test_any_two_mistakes_compile_at_once(twins):
+def test_any_two_mistakes_compile_together(twins):
     for one, two in permutations(twins.cases.faults, 2):
         source = one.made_in(twins.source) or twins.source
         compile(two.made_in(source) or source, one.cause, "exec")
 
 
 @every_table
-def test_no_two_cases_have_a_label(twins):
+def test_case_labels_are_unique(twins):
     labels = [case.label for case in twins.cases.cases]
     assert len({*labels}) == len(labels)
     assert twins.cases.meaning, "the default meaning is missing"

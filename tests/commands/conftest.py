@@ -38,7 +38,7 @@ class Run:
         return self.stdout + self.stderr
 
     def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
-        """When `so` is true, or never comes true, call `then`, or what Ctrl-C would call, so the command ends."""
+        """Wait until `so` is true, then call `then`. Without `then`, or after a timeout, act like Ctrl-C."""
         try:
             until(lambda: (self.stops and so()) or self.status is not None)
         except AssertionError:
@@ -55,11 +55,11 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
         with monkeypatch.context() as patch, redirect_stdout(done.out), redirect_stderr(done.err):
             for module in SIGNALLED:
                 patch.setattr(f"tutorial.commands.{module}.handle_signals", lambda ask, **_: done.stops.append(ask))
-            patch.setattr("tutorial.commands.terminal.logging_redirect_tqdm", nullcontext)  # it changes all handlers
+            patch.setattr("tutorial.commands.terminal.logging_redirect_tqdm", nullcontext)  # changes all handlers
             patch.setattr(gc, "freeze", lambda: None)
             patch.setattr(logging.root, "handlers", [])
             patch.setattr(logging.root, "level", logging.WARNING)
-            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # tutorial.notebook turns it off
+            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # tutorial.notebook disables it
             patch.setattr(sys, "argv", ["tank", *line.split(), *map(str, words)])
             if once is not None:
                 so = once if callable(once) else lambda: once in done.output

@@ -111,7 +111,7 @@ AIM = [
 
 
 @pytest.mark.parametrize(("learner", "verdict", "cause"), AIM)
-def test_each_answer_is_charged_only_for_its_own_deeds(judged, learner, verdict, cause):
+def test_each_answer_is_blamed_only_for_its_own_actions(judged, learner, verdict, cause):
     found = {exercise: (answer["verdict"], answer["cause"]) for exercise, answer in judged[0][learner][1].items()}
     assert found == {"aim": (verdict, cause), "by_name": ("right", "")}
 

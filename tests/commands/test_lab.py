@@ -52,7 +52,7 @@ def is_trusted(path, folder):
 
 
 NOWHERE = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
-JUPYTERS = ("JUPYTER_CONFIG", "JUPYTER_DATA", "JUPYTER_RUNTIME", "JUPYTERLAB_WORKSPACES")  # hide the user's
+JUPYTERS = ("JUPYTER_CONFIG", "JUPYTER_DATA", "JUPYTER_RUNTIME", "JUPYTERLAB_WORKSPACES")  # hide the user's settings
 NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
 
 
@@ -66,9 +66,9 @@ def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(p
     until(lambda: ADDRESS.search(running.output), "the address")
     address = ADDRESS.search(running.output)[0]
     with answer(address) as page:
-        assert page.url == address  # not the page that asks for the token
-        assert b'"news": {"disabled": true}' in page.read()  # no question about news
-    assert shutil.which("tank", path=psutil.Process(running.process.pid).environ()["PATH"])  # for its terminals
+        assert page.url == address  # not redirected to the page that asks for the token
+        assert b'"news": {"disabled": true}' in page.read()  # JupyterLab does not ask about news
+    assert shutil.which("tank", path=psutil.Process(running.process.pid).environ()["PATH"])  # in its terminals
     for path in NOTEBOOKS.glob("*.ipynb"):
         assert is_trusted(path, folders["JUPYTER_DATA_DIR"]), path
     kernels = address.replace("/lab/tree/notebooks/0_setup.ipynb", "/api/kernels")
@@ -86,7 +86,7 @@ def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(p
     running.asks_to_stop()
     assert running.ends() == 0
     assert [line for line in running.lines[said:] if not line.startswith("[IPKernelApp]")] == []
-    assert "without encryption" not in running.output  # of which each kernel would warn
+    assert "without encryption" not in running.output  # each kernel would warn about it
     running.leaves_nothing()
 
 

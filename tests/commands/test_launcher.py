@@ -138,7 +138,7 @@ def test_when_one_fails_the_rest_stop_and_its_status_counts(machine, launch_file
     assert machine.heard == [[INT], left]  # the remaining group of the killed process
 
 
-def test_asked_to_stop_it_kills_those_that_do_not(machine, launch_file, monkeypatch):
+def test_when_stopping_it_kills_processes_that_do_not_end(machine, launch_file, monkeypatch):
     monkeypatch.setattr(launcher, "TIMEOUT", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted

@@ -144,14 +144,14 @@ def test_a_closed_pipe_ends_it(beside):
         ("node list", "get_node_names_and_namespaces", RuntimeError("empty node name returned by the RMW layer")),
     ],
 )
-def test_an_error_of_rclpy_is_shown_in_its_words(tank, monkeypatch, command, asked, error):
+def test_rclpys_error_is_shown_unchanged(tank, monkeypatch, command, asked, error):
     """rclpy raises it while a different program has a name that is empty or not valid text."""
     monkeypatch.setattr(MeteredNode, asked, Mock(side_effect=error))
     run = tank(command)
     assert (run.status, f"Error: ROS 2 reports: {error}\n" in run.stderr) == (1, True)
 
 
-def test_two_nodes_with_one_name_are_listed_twice(eventually):
+def test_two_nodes_with_the_same_name_are_listed_twice(eventually):
     listed = (
         "WARNING: Be aware that there are nodes in the graph that share an exact name, "
         "which can have unintended side effects.\n"

@@ -1,4 +1,4 @@
-"""How commands end: the first Ctrl-C or SIGTERM asks, the second ends all at once, even if the main thread is stuck."""
+"""How commands end: the first Ctrl-C or SIGTERM asks them to; the second ends them at once, even if they are stuck."""
 
 import io
 import logging

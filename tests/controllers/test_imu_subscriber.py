@@ -15,7 +15,7 @@ from tutorial.controllers.imu_subscriber import ImuSubscriber
 from tutorial.system.paths import HOME
 from tutorial.world import Placement
 
-PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # adding and subtracting an offset does not give these numbers exactly back
+PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # adding and subtracting an offset does not restore these numbers exactly
 
 
 def imu(x=0.0, y=0.0, z=9.8, turn=0.0):

@@ -76,7 +76,7 @@ def viewer():
     return Viewer(Node())
 
 
-def test_pose_and_joints_of_one_stamp_are_shown_together(viewer):
+def test_pose_and_joints_with_the_same_stamp_are_shown_together(viewer):
     assert viewer.node.topics == ["Robot/joint_state", "/tf"]
     assert viewer.hear(joint_state(20, 0.25)) == (1.0, 0.0)
     assert viewer.hear(transform(20, 5.0, LEFT)) == (5.0, 0.25)

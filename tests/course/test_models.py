@@ -1,4 +1,4 @@
-"""The physics that the models have to show. No number in the models was tuned to pass these tests."""
+"""Physical behaviour that the models must show. No number in the models was tuned to pass these tests."""
 
 import math
 from pathlib import Path
@@ -66,7 +66,7 @@ def test_each_file_compiles_without_a_warning_and_can_be_drawn(file, moves, tmp_
     assert capfd.readouterr() == ("", "")
 
 
-def test_the_tank_is_the_originals():
+def test_the_tank_matches_the_original():
     model = mujoco.MjModel.from_xml_path(str(MODELS / "tank.xml"))
     mass = {model.body(i).name: model.body_mass[i] for i in range(model.nbody)}
     assert mass["CHASSIS"] == 8

@@ -51,7 +51,7 @@ async def test_rail_and_stick_move_the_turret_in_both_programs(domain):
 
 
 @in_a_loop
-async def test_two_nodes_of_one_name_are_reported(domain, caplog):
+async def test_two_nodes_with_the_same_name_are_reported(domain, caplog):
     step3 = Project.load(find_project("step3"))
     async with Host(step3) as first, Host(step3):
         await until(lambda: first.refresh() or "there are 2 nodes named /tank" in caplog.text)

@@ -69,7 +69,7 @@ class Machine:
                 _ip(f"address add {machine.address}/24 dev lan")
                 _ip("link set lan up")
         for machine in (self, other):
-            with machine.inside():  # Linux takes up to a second; Fast DDS passes over a cable that does not run yet
+            with machine.inside():  # Linux takes up to a second; Fast DDS ignores a cable that is not up yet
                 until(lambda: "running" in psutil.net_if_stats()["lan"].flags, "the cable")
 
     @property

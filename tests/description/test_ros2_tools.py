@@ -1,7 +1,7 @@
 """How the tools of a real ROS 2 read the robot description. The tests need TANK_REAL_ROS2.
 
-As in ``tests/ros/test_beside_ros2.py``, it is a command that runs another command with ROS 2. RMW_IMPLEMENTATION
-chooses that one's middleware, by default Cyclone DDS.
+As in ``tests/ros/test_beside_ros2.py``, that is a command that runs another command with ROS 2. RMW_IMPLEMENTATION
+chooses its middleware, by default Cyclone DDS.
 """
 
 import os

@@ -98,7 +98,7 @@ class Robot:
         assert len(self.joints) == len(robot.findall("joint"))
 
     def read(self):
-        """Return MuJoCo's model of it. It omits the shapes' names, which may be equal in URDF."""
+        """Return MuJoCo's model of the document, without the shapes' names, which need not be unique in URDF."""
         text = re.sub(r'<(visual|collision) name="[^"]*"', r"<\1", self.text)
         return mujoco.MjModel.from_xml_string(text.replace("</robot>", COMPILER))
 
@@ -125,7 +125,7 @@ def assert_same_robot(body, model, names):
 
     Args:
         body: in its model's initial pose.
-        model: of its description; its world frame is the body's root.
+        model: the description's model; its world frame is the body's root.
         names: the links' names, by MuJoCo's body numbers.
     """
     own = body.model
@@ -173,7 +173,7 @@ def test_links_joints_masses_and_inertias_are_mujocos(file, links):
 
 
 @pytest.mark.parametrize("file", ["tank", "crane"])
-def test_sensors_and_cameras_have_links_and_a_camera_looks_along_z(file):
+def test_sensors_and_cameras_have_links_and_cameras_look_along_z(file):
     own = body_of(MODELS / f"{file}.xml").model
     model = Robot(robot_description(body_of(MODELS / f"{file}.xml"))).read()
     expected, data = mujoco.MjData(own), mujoco.MjData(model)

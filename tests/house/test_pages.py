@@ -36,7 +36,8 @@ def read(path):
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_commands_on_the_pages_are_valid(page, monkeypatch):
     monkeypatch.chdir(HOME)
-    monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))  # the reader's
+    # click must accept paths that only the reader has
+    monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))
     blocks = re.findall(r"^```console\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL)
     for line in re.findall(r"^\$ (.*)", "\n".join(blocks), re.MULTILINE):
         words = shlex.split(line, comments=True)

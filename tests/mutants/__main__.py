@@ -9,7 +9,7 @@ import asyncio
 import sys
 from collections.abc import Sequence
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 import click

@@ -93,7 +93,7 @@ async def test_a_new_start_forgets_the_last_error():
         assert program.error is None
 
 
-async def test_a_program_of_the_same_node_name_is_closed_first():
+async def test_a_program_with_the_same_node_name_is_closed_first():
     first = open_program("step3", node="viewer")
     viewer = open_program("step3", node="viewer")
     hand = open_node("hand")

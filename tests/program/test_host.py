@@ -424,7 +424,7 @@ async def act(host, rng):
 
 
 async def live_through(seed, model):
-    """Let a host run unruly controllers; return the failures that the main thread was not told about."""
+    """Let a host run unruly controllers; return the failures that were not reported to the main thread."""
     rng, let, made, told = random.Random(seed), threading.Event(), [], []
     own = {"rng": rng, "let": let, "made": made}
     one, other, third = (type("Unruly", (Unruly,), own) for _ in range(3))

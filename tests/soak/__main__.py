@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 from harness import GROWTH, MEMORY, above, python, soak
@@ -22,7 +22,7 @@ from traffic import RATE, TIMEOUT
 TRAFFIC = Path(__file__).with_name("traffic.py")
 OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
 """The kinds of traffic, and the role of traffic.py that receives each."""
-BACKLOG = 100  # waiting calls for the viewer's main thread, in the median of a third: a tenth of a second's
+BACKLOG = 100  # limit of calls that wait for the viewer's main thread, as a median: those of a tenth of a second
 RATE_BOUND = 0.99 * RATE
 
 Result = dict[str, float]

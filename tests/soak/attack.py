@@ -16,7 +16,7 @@ from itertools import count, cycle
 
 os.environ["TUTORIAL_ROS"] = "pocket"
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 from rclpy._cyclone import Writer, join
@@ -29,7 +29,7 @@ from sensor_msgs.msg import JointState
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 PROFILE = QoSProfile(depth=1)
-PROCESSES = 8  # whose ports it tries
+PROCESSES = 8  # the number of processes whose ports it tries
 
 TOPICS = ("rt/1abc", "rt/a/", "rt//x", "rt/", "rt/<b>x</b>", "rt/" + "x" * 200)
 NODES = ("\x1b[2Jgone", "line\nforged", "<img src=x onerror=alert(1)>", "\u202egpj", "", "x" * 250)

@@ -1,6 +1,5 @@
-"""Flood step 3's viewer with names, messages or packets, as an attacker would. Its main loop must not
-hang, its memory must not grow, it must not fill the terminal, and when it is told to
-end, it has to end.
+"""Flood step 3's viewer with names, messages or packets, as an attacker would. The viewer's main loop must
+not hang, its memory must not grow, and it must neither fill the terminal nor ignore a request to end.
 
 ``make soak`` runs it, too. If a requirement is not met, the program prints it at the end, and the exit status is 1.
 """

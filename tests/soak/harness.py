@@ -16,7 +16,7 @@ from tutorial.ros.domains import reserved_domain
 from tutorial.system import parent_watch
 
 EVERY = 0.1  # [s] between two samples of memory
-WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the interpreter's caches reach their size
+WARM_UP = 0.25  # share of the run in which allocators, DDS's buffers and the interpreter's caches grow
 GROWTH = 4.0
 """The memory that a process may gain after the warm-up [MB]. A run of 60 s sends 45,000 messages in that time, so this
 finds a leak of 100 bytes per message; a copy of a message with 40 joints has 1,700. It allows for growth that is not
@@ -26,7 +26,7 @@ MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
 
 
 def soak(seconds: int, job: Callable[[int], list[str]]) -> None:
-    """Be the command ``[SECONDS]``: do a job in a separate ROS domain, print the unmet requirements, and exit.
+    """Run the command ``[SECONDS]``: do a job in a separate ROS domain, print the unmet requirements, and exit.
 
     Args:
         seconds: the default duration of each kind [s].

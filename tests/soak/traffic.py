@@ -1,4 +1,4 @@
-"""Be one end of the traffic, in a separate process: ``python traffic.py publish|subscribe|show|record KIND SECONDS``.
+"""Run one end of the traffic in a separate process: ``python traffic.py publish|subscribe|show|record KIND SECONDS``.
 
 It uses only rclpy's public API, so it runs on any ROS 2. It prints its measurements as one line of JSON.
 """
@@ -15,7 +15,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import tutorial  # noqa: F401 - promises an rclpy
+import tutorial  # noqa: F401 - makes rclpy importable
 
 # isort: split
 import numpy as np
@@ -98,7 +98,7 @@ def subscribe(kind: str, seconds: float) -> dict[str, Any]:
 
 
 async def show(kind: str, seconds: float) -> dict[str, Any]:
-    """Be step 3's viewer, like ``tank run step3 --headless``, and count the posted calls that wait."""
+    """Run step 3's viewer like ``tank run step3 --headless``, and count the waiting calls."""
     waiting = [0]
     async with Host(Project.load(find_project("step3"))) as host:
         meter = next(meter for meter in host.node.meters if meter.topic == TOPIC)

@@ -18,7 +18,7 @@ run = Host.run
 
 
 async def measure() -> None:
-    """Write down the holds."""
+    """Write the holds to the file."""
     with open(os.environ["HOLDS"], "w", buffering=1) as file:  # noqa: PTH123
         while True:
             longest, due = 0.0, time.monotonic() + EVERY

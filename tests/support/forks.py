@@ -1,8 +1,7 @@
 """Judge answers in forks of one process that has already imported everything, instead of in new interpreters.
 
-This is for mutants, of which there are hundreds: judging one takes a fifth of the time, also because it looks for no
-cause. Otherwise they run like a learner's answer; other tests cover the start in a new
-interpreter.
+There are hundreds of mutants. Judging one in a fork takes a fifth of the time, partly because no cause is searched for.
+Otherwise a mutant runs like a learner's answer; other tests cover the start in a new interpreter.
 """
 
 import asyncio

@@ -43,7 +43,7 @@ class Kernel:
 
 @contextmanager
 def kernel() -> Iterator[Kernel]:
-    """Start a kernel of this environment, and kill the rest of it at the end."""
+    """Start a kernel of this environment, and kill what is left of it at the end."""
     with TemporaryDirectory(prefix="kernel-") as folder, ExitStack() as stack:
         manager = KernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/socket")
         manager.kernel_spec.argv[0] = sys.executable

@@ -1,7 +1,7 @@
-"""Pictures of what the widgets of the notebooks showed, stored in their outputs: ``make notebooks`` makes them.
+"""Pictures of the notebooks' widgets, which ``make notebooks`` stores in the notebooks' outputs.
 
-GitHub, nbviewer and editors show them, and so does JupyterLab until the cell is run. Chromium draws them from what
-`keepsakes` keeps for the book.
+GitHub, nbviewer and editors show them, and so does JupyterLab until the cell is run. Chromium draws them from the
+figures that `keepsakes` saves for the book.
 """
 
 import ast
@@ -26,15 +26,15 @@ from tutorial.view.assets import zipped_viewer
 
 SHOWN = Path(__file__).parents[2] / "book" / "shown"
 WIDGET = re.compile(r"(SceneView|NodeGraph|JointPlot|Picture|ImageView|SideBySide|FloatProgress)\(")
-"""How the text of a widget begins that gets a picture. All but FloatProgress are in `keepsakes`, too."""
+"""The beginning of each widget's text, for widgets that get a picture. `keepsakes` has all but FloatProgress."""
 
-WIDTH = 800  # of a cell [CSS pixels]
-QUALITY = 60  # of a JPEG, of 100
-HEIGHT = 240  # [CSS pixels] of a view at most: JupyterLab scrolls before a live view takes the picture's place
-COLOURS = 32  # of a PNG
-SQUARE = 4  # pixels: two pictures are compared by averages of squares so large, because JPEG changes single pixels
-DIFFERENT = 24  # of 255: a difference of two colours that is easy to see
-FEW = 12  # squares: two digits, but less than a turret that turns
+WIDTH = 800  # a cell's width [CSS pixels]
+QUALITY = 60  # JPEG quality, out of 100
+HEIGHT = 240  # a view's maximum [CSS pixels]: JupyterLab scrolls before a live view replaces the picture
+COLOURS = 32  # in a PNG
+SQUARE = 4  # [pixels] side of the squares whose averages are compared, because JPEG changes single pixels
+DIFFERENT = 24  # out of 255: a difference between two colours that is easy to see
+FEW = 12  # squares that may differ: two digits do, a turning turret differs in more
 
 PAGE = Template((Path(__file__).parent / "data" / "notebook_picture.html").read_text(encoding="utf-8"))
 REPLAYS = "[...document.querySelectorAll('.tank-replay')]"
@@ -49,8 +49,8 @@ async def store_pictures(paths: Iterable[Path], shown: Path = SHOWN) -> None:
     """Draw what the widgets of notebooks showed, and store each picture that looks different from the stored one.
 
     Args:
-        paths: of the notebooks.
-        shown: where a folder for each notebook holds what was kept.
+        paths: the notebooks' files.
+        shown: the folder in which each notebook has a folder of saved figures.
     """
     chromium = find_chromium()
     if chromium is None:
@@ -116,7 +116,7 @@ def _are_alike(one: Image.Image, other: Image.Image) -> bool:
 
 
 def find_figures(kept: str) -> list[str]:
-    """Return the parts of what was kept of a widget, in the order of the widget's text."""
+    """Return a widget's saved figures, in the order of the widget's text."""
     return re.findall(r"<figure.*?</figure>", kept, re.DOTALL)
 
 
@@ -149,7 +149,7 @@ def _arranged(widget: ast.expr, figures: Iterator[str]) -> str:
 
 
 def describe(text: str, figures: list[str]) -> str:
-    """Say in words what the picture of a widget shows."""
+    """Return the alternative text of a widget's picture."""
     if text.startswith("FloatProgress("):
         return "a progress bar that is full"
     parts = []

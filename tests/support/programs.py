@@ -108,7 +108,7 @@ class Program:
         until(lambda: not self.family(), f"the end of {self.family()}")
 
     def clear(self) -> None:
-        """Kill the rest of it."""
+        """Kill what is left of it."""
         for process in self.family():
             process.kill()
         self.process.wait()

@@ -10,8 +10,8 @@ from lab import Notebook
 from loops import TIMEOUT, until
 
 SEE = "**What you should see:**"
-HALF = 0.5  # of its area: then it counts as on the screen
-GLANCE = 0.1  # [s] from one glance to the next
+HALF = 0.5  # the visible share from which a view counts as on the screen
+GLANCE = 0.1  # [s] between two glances
 TOO_LONG = 3  # glances in which something moved off the screen
 NAMES = """
 const WIDGET = "application/vnd.jupyter.widget-view+json";
@@ -75,7 +75,7 @@ HEIGHT = """([first, said]) => {
     const line = words.find((word) => word.textContent.startsWith("What you should see"));
     return [line.getBoundingClientRect().bottom - top, panel.clientHeight];
 }"""
-"""From the top of the last widgets in these cells to the line that says what to see, and of the screen [px]."""
+"""The heights of the part from the cells' last widgets to *What you should see*, and of the screen [px]."""
 
 
 @dataclass
@@ -83,7 +83,7 @@ class Sight:
     """A 3D view on the page.
 
     Attributes:
-        name: of the view; it may be shown several times.
+        name: the view's name; a view may be shown several times.
         share: how much of it is on the screen, 0 to 1.
         has_moved: whether something in it has moved since the cell was started.
         moves: whether something in it has moved since the last glance.
@@ -110,11 +110,11 @@ class Learner:
     """Somebody who presses Shift+Enter, waits for the cell, and looks.
 
     Args:
-        notebook: it is open, and at its beginning.
+        notebook: the open notebook, at its beginning.
         path: its file.
 
     Attributes:
-        missed: what happened off the screen, a line each.
+        missed: the effects off the screen, a line each.
     """
 
     def __init__(self, notebook: Notebook, path: Path) -> None:

@@ -21,7 +21,7 @@ def test_home_is_the_nearest_course_folder(tmp_path):
     assert find_home(inner) == find_home(inner / "notebooks") == inner
 
 
-def test_a_folder_of_someone_else_is_skipped(tmp_path, monkeypatch):
+def test_another_users_folder_is_skipped(tmp_path, monkeypatch):
     course = make_course(tmp_path / "mine")
     monkeypatch.setattr(paths, "ROOT", -1)
     monkeypatch.setattr("os.getuid", lambda: course.stat().st_uid + 1)

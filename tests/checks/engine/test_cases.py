@@ -15,7 +15,7 @@ def test_further_lines_are_indented():
     assert Edit("y", "z").made_in(SOURCE) is None
 
 
-def test_ways():
+def test_each_combination_of_edits_is_a_fault():
     mistake = Mistake("", both(replace("a", "b", "c"), replace("b", "d")) + replace("b", "a"))
     assert [fault.made_in("a b") for fault in mistake.faults()] == ["d d", "c d", "a a"]
 

@@ -156,7 +156,7 @@ def of_the_notebook(name):
         ("Keeps", "scene", "generator"),
     ],
 )
-def test_what_belongs_to_the_notebook_is_named(name, used, kind):
+def test_objects_of_the_notebook_are_named(name, used, kind):
     said = said_about(of_the_notebook(name))
     assert f"✗ {name} uses {used}, an object of the class {kind} that belongs to the notebook" in said
     assert "take everything that it needs from config, io or its arguments" in said
@@ -169,7 +169,7 @@ def test_the_notebooks_event_loop_is_replaced_by_the_running_one():
 
 
 @pytest.mark.process
-def test_locks_of_the_notebook_are_taken_along_and_are_free_there():
+def test_the_notebooks_locks_are_passed_on_unlocked():
     said = said_about(of_the_notebook("TakesLocks"))
     assert "All right." in said, said
 
@@ -181,7 +181,7 @@ class TellsItsDomain(GentleTank):
 
 
 @pytest.mark.process
-def test_it_runs_in_another_ros_domain(domain, monkeypatch):
+def test_it_runs_in_a_different_ros_domain(domain, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
     said = next(line for line in said_about(TellsItsDomain).splitlines() if line.startswith("  | "))
     other, reach = said.removeprefix("  | ").split("|")
@@ -210,7 +210,7 @@ PARENT = "import asyncio; from engine.test_contain import Anything, dozing; asyn
 
 
 @pytest.mark.process
-def test_it_is_gone_when_who_has_asked_is_killed():
+def test_it_ends_when_its_parent_is_killed():
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     with subprocess.Popen([sys.executable, "-c", PARENT], env=environment) as parent:
         try:

@@ -41,7 +41,7 @@ SENTENCES = {
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("sentence", SENTENCES)
-def test_pythons_sentence_is_understood(sentence):
+def test_pythons_messages_are_understood(sentence):
     with pytest.raises((AttributeError, TypeError, RuntimeError)) as info:
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)

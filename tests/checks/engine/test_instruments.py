@@ -1,4 +1,4 @@
-"""Which calls are noted, and that clocks stand still only for the answer."""
+"""Recording of an answer's calls, and clocks that stand still only for the answer."""
 
 import threading
 import time
@@ -11,7 +11,7 @@ def asks():
     return time.monotonic(), time.time_ns()
 
 
-def test_calls_of_the_answer_are_noted():
+def test_calls_by_the_answer_are_recorded():
     sleep = time.sleep
     with Instruments() as instruments:
         assert asks()

@@ -21,7 +21,7 @@ def test_topics():
     assert (node.listeners(Joy()), node.listeners(Imu()), subscription.depth) == ([print], [], 3)
 
 
-def test_what_is_left():
+def test_undestroyed_topics_are_reported():
     node = made()
     publisher = node.create_publisher(Imu, "imu", 1)
     publisher.destroy()

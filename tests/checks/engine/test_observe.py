@@ -25,7 +25,7 @@ def test_a_misuse_ends_it():
     assert labels(toys.TOY, lambda x: {}["x"]) == ["two", "three", "below 0"]
 
 
-def test_one_by_one():
+def test_one_by_one_stops_at_the_first_difference():
     assert labels(replace(toys.TOY, one_by_one=True), lambda x: x + 3) == ["two", "three"]
 
 

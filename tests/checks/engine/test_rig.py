@@ -25,7 +25,7 @@ class Repeats(SimpleController):
         self.publisher.publish(self.message)
 
 
-def test_what_is_published():
+def test_published_messages_are_recorded():
     rig = Rig(Trial(Repeats), time_step=0.5)
     rig.hear(Joy())
     rig.start(3)

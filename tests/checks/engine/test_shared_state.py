@@ -12,7 +12,7 @@ class Keeps:
         self.seen.append(where)
 
 
-def test_what_changes_is_named():
+def test_changed_state_is_named():
     state = SharedState(Keeps)
     assert state.changed() == ""
     Keeps().keep()
@@ -21,6 +21,6 @@ def test_what_changes_is_named():
     assert "inside the call" in cause_of_sharing(Keeps.keep, "KEPT")
 
 
-def test_what_is_outside():
+def test_state_outside_the_objects():
     assert {name for name, _ in outside(Keeps)} == {"Keeps.seen", "the default of the argument where"}
     assert pickled(KEPT)

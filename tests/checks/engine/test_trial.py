@@ -28,7 +28,7 @@ def test_a_failure_has_the_learners_line():
         (lambda given: 5, "it returns a int"),
     ],
 )
-def test_what_cannot_be_read(answer, said):
+def test_unreadable_results(answer, said):
     with pytest.raises(Failure) as info:
         Trial(answer).ask([0], read=lambda returned: returned[0] + 1, wanted="A list.")
     assert str(info.value.error) == said

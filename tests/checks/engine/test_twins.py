@@ -18,7 +18,7 @@ def test_twins_are_the_solution_with_mistakes():
     assert toys.TWINS.make(partly)(4) == 10
 
 
-def test_what_they_print_and_how_long_they_take_is_not_the_answers_doing(capsys):
+def test_their_output_and_time_are_not_charged_to_the_answer(capsys):
     begun = []
 
     def begin(*given):

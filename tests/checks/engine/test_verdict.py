@@ -22,7 +22,7 @@ def test_a_verdict_names_a_cause_once_and_two_at_most():
     ]
 
 
-def test_a_verdict_bounds_what_was_printed():
+def test_a_verdict_shortens_the_output():
     stamped = "[INFO] [1700000000.123456789] [tank]: hello"
     lines = str(Verdict((Finding(True, "a"),), "Notice.", (stamped, *["x" * 500] * 60))).splitlines()
     assert lines[:4] == ["✓ a", "All right. Notice.", "Your code printed:", "  | [INFO] [tank]: hello"]

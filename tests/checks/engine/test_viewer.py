@@ -18,7 +18,7 @@ class Hurries(MyViewer):
         self.update(message)
 
 
-def test_what_is_posted_runs_later():
+def test_posted_calls_run_later():
     with closing(Viewer(Trial(MyViewer))) as viewer:
         viewer.receive(MESSAGE)
         assert (viewer.where(), len(viewer.calls)) == ("TURRET_Y at 0, TURRET_P at 0", 1)
@@ -29,7 +29,7 @@ def test_what_is_posted_runs_later():
         assert viewer.left() == "nothing is left"
 
 
-def test_the_body_is_touched_by_a_callback():
+def test_a_callback_that_touches_the_body():
     with closing(Viewer(Trial(Hurries))) as viewer, pytest.raises(Failure) as info:
         viewer.receive(MESSAGE)
     assert str(info.value.error) == "it uses the body outside of the main thread"

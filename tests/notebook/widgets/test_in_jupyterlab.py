@@ -22,7 +22,7 @@ def lab(tmp_path_factory):
 
 @pytest.fixture
 def desk(lab):
-    """A JupyterLab and a page, which must not complain, and shows no notebook in the end."""
+    """A JupyterLab and a page, which must report no errors, and show no notebook at the end."""
     lab.witness.complaints.clear()
     yield lab
     assert lab.witness.complaints == []

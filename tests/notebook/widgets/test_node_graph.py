@@ -149,7 +149,7 @@ class Crowd:
     get_subscriptions_info_by_topic = get_publishers_info_by_topic
 
 
-def test_of_very_many_topics_it_shows_those_known_first():
+def test_with_very_many_topics_it_shows_the_first_ones():
     crowd = Crowd(["/joy", "/Tank/joint_state"])
     watch = GraphWatch(crowd)
     assert list(watch.look().topics) == ["/Tank/joint_state", "/joy"]

@@ -54,7 +54,7 @@ def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], objec
 
 @pytest.fixture
 def start(domain: int) -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """Start a Python program with arguments in a new process, and kill the rest of it at the end."""
+    """Start a Python program with arguments in a new process, and kill what is left of it at the end."""
     processes: list[subprocess.Popen[str]] = []
 
     def start(code: str, *arguments: str) -> subprocess.Popen[str]:
