@@ -4,8 +4,8 @@ Write the callback `on_joy` of `FireButton`. After each message, `self.fire` hol
 pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
 
 - In `message.buttons`, 1 is a pressed button and 0 a released one.
-- A button that the message lacks is not pressed.
-- `FireButton` doesn't need `self.joy`. Whether your callback puts the message there, too, is up to you.
+- A button that the message lacks counts as not pressed.
+- `FireButton` doesn't need `self.joy`, but your callback may put the message there, too.
 
 Hint 1: Think of messages without a pressed button: it is released, or the message has no buttons. What does self.fire
 have to hold after those?

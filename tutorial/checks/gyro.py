@@ -6,14 +6,14 @@ node's namespace.
 
 - It publishes 10 times per simulated second: one message every `round(1 / (10 * io.time_step))` steps. You may also
   publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. Publish the first
-  message at any step within 1/10 s after the start; at the very first step it has a single value.
+  message at any step within 1/10 s after the start; at the very first step it averages a single value.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
 - The angular velocity is the average of the values of the sensor `GYRO` since the last message: one value per step,
   including the step that publishes the message.
-- It marks unmeasured fields: the first number in the covariances of orientation and linear acceleration is -1
-  (`message.orientation_covariance[0] = -1.0`), but not in that of the angular velocity.
-- The stamp is the simulated time of publishing.
-- The frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank you may also use the chassis,
+- It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
+  (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
+- The stamp is the simulated time at which the message is published.
+- The frame is the sensor's, `Tank/GYRO`: it includes the body's name. On the tank you may also use the chassis,
   `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
 - It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
   continue: they don't start at 0 again.

@@ -8,7 +8,7 @@ the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it 
   their stamps.
 - When a pair is complete, drop all messages that arrived before its first message: their partners would be too late.
   Messages that arrived after that one can still find their partners.
-- At most 50 messages wait. Count each topic by itself or both together, as you like. If there are more, drop the one
+- At most 50 messages wait. Count each topic separately or both together, as you like. If there are more, drop the one
   that *arrived* first.
 - After a restart of the publisher, the stamps begin at 0 again. Match these messages immediately, too.
 

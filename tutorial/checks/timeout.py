@@ -4,10 +4,10 @@ Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called
 and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.
 
 - A message arrives in the call that passes a different object than the previous call (`is not`), even if its axes are
-  the same: a held stick sends them again and again. In the first call, the message is new.
-- Use only `seconds`. A step can take any time, the message's stamp can be empty, and the computer's clock knows nothing
-  of simulated time.
-- A message that arrives after an old one is fresh again.
+  the same: a stick held still sends them again and again. In the first call, the message is new.
+- Use only `seconds`. A step can have any length, the message's stamp can be empty, and the computer's clock does not
+  show simulated time.
+- A message that arrives after a stale one is fresh again.
 
 Hint 1: A call gives you the message and the time. What do you have to keep from earlier calls, to see whether the
 message is new, and how old it is?
