@@ -8,7 +8,7 @@ node's namespace.
   publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. Publish the first
   message at any step within 1/10 s after the start; at the very first step it averages a single value.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
-- The angular velocity is the average of the values of the sensor `GYRO` since the last message: one value per step,
+- The angular velocity is the average of the sensor `GYRO`'s values since the last message: one value per step,
   including the step that publishes the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
