@@ -4,7 +4,7 @@ Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, 
 (type `Imu`). The node has no namespace, so the topic can also begin with a slash. When a message reports a blow, the
 displayed body hops:
 
-- A blow is a horizontal acceleration (the length of the vector of x and y) of more than 20 m/s².
+- A blow is a horizontal acceleration (the length of the vector (x, y)) of more than 20 m/s².
 - After a blow, the body immediately rises by 0.1 m. 0.5 s later, it is back exactly where it stood.
 - If another blow arrives while the body is up, it stays up until 0.5 s after that blow, and rises no higher. Other
   messages change nothing. A blow counts even if its message equals the previous one.
