@@ -32,7 +32,7 @@ OF_THE_MACHINE = re.compile(
     r"GPU stall due to ReadPixels"
     r"|^Plugin (@jupyter[\w-]*/|anywidget:)\S+ .*(is taking too long|took [\d.]+ms) to activate"
     r"|^\[anywidget\] Failed to initialize model\.$"  # it is logged after two seconds; an exception logs different text
-    r"|^still waiting on run dependencies:$|^dependency: wasm-instantiate$|^\(end of list\)$"  # Pyodide logs these after ten seconds
+    r"|^still waiting on run dependencies:$|^dependency: wasm-instantiate$|^\(end of list\)$"  # after ten seconds
 )
 """Harmless messages of Chromium without a graphics card, and of JupyterLab and Pyodide on a busy machine."""
 TIMEOUT = 60.0
