@@ -63,7 +63,7 @@ LOOK = """([number, isStart]) => {
     return [sights, isDrawn];
 }"""
 IDLE = "() => new Promise((resolve) => requestIdleCallback(resolve, {timeout: 1000}))"
-"""Lets the page do its own work first: a busy page that is only looked at never handles the kernel's messages."""
+"""Lets the page do its own work first: a busy page that is polled all the time never handles the kernel's messages."""
 HEIGHT = """([first, said]) => {
     const panel = document.querySelector(".jp-NotebookPanel:not(.lm-mod-hidden) .jp-WindowedPanel-outer");
     const cells = [...panel.querySelectorAll(".jp-Cell")].map((cell) => [Number(cell.dataset.windowedListIndex), cell]);
