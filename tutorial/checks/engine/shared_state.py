@@ -1,5 +1,6 @@
 """Shared state: values that an answer keeps on its class or in the notebook, where all its objects share them."""
 
+import dis
 import inspect
 import io
 import threading
@@ -80,9 +81,10 @@ def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def _names(code: CodeType) -> list[str]:
-    """Return the names in a function's code, including nested functions."""
-    inner = [name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each)]
-    return [*code.co_names, *inner]
+    """Return the global names that a function's code uses, including nested functions. Attributes are not global."""
+    used = (each.argval for each in dis.get_instructions(code) if each.opname in ("LOAD_GLOBAL", "STORE_GLOBAL"))
+    inner = (name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each))
+    return [*used, *inner]
 
 
 def _is_code(value: Any) -> bool:
