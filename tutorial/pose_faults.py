@@ -1,4 +1,4 @@
-"""Finds poses and joint states that a viewer cannot show, and counts the messages that it leaves out."""
+"""Finds poses and joint states that a viewer cannot show, and counts the messages that are left out."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ if TYPE_CHECKING:
     from geometry_msgs.msg import TransformStamped
     from rclpy.node import Node
 
-LARGEST = 100_000  # numbers and characters in one joint state message: more than any robot needs
-FARTHEST = 1e9  # [m]; views draw in single precision, which still holds its square
+LARGEST = 100_000  # numbers or characters in one joint state message, more than any robot needs
+FARTHEST = 1e9  # [m]; even its square fits into single precision, which views use
 TOLERANCE = 0.01  # tolerance of a unit quaternion's squared length
-QUIET = 50  # messages left out silently at the start, because the viewer matches one topic before the other
+QUIET = 50  # messages left out silently at the start, because one topic's publisher is discovered first
 
 
 def fault_of(message: JointState | TransformStamped) -> str:
     """Return why a viewer in the frame ``odom`` cannot show a message; empty if it can."""
     if isinstance(message, JointState):
         arrays = message.header.frame_id, message.name, message.position, message.velocity, message.effort
-        return "with more joints than a robot has" if sum(map(len, (*arrays, *message.name))) > LARGEST else ""
+        return "with more joints than any robot has" if sum(map(len, (*arrays, *message.name))) > LARGEST else ""
     p, q = message.transform.translation, message.transform.rotation
     if message.header.frame_id != "odom":
-        return "with another parent than odom"
+        return "with a parent frame other than odom"
     if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # False for NaN, too
-        return "with a place that is not finite, or too far away"
+        return "with a position that is not finite, or too far away"
     if not abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) <= TOLERANCE:
-        return "with a rotation that is no unit quaternion"
+        return "with an orientation that is not a unit quaternion"
     return ""
 
 

@@ -1,4 +1,4 @@
-"""Step 7: show the pose and the joints of another program's robot, both from the same time."""
+"""Step 7: show the pose and the joints of another program's robot, both with the same stamp."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +13,7 @@ from tutorial.joints import JointMatcher
 from tutorial.pose_faults import Tally, fault_of
 
 MOST_WAITING = 50  # messages per topic: a second's worth
-ALONE, REPEATED = "without a partner of the same stamp", "of a stamp that was there"
+ALONE, REPEATED = "without a partner with the same stamp", "with a repeated stamp"
 
 
 class PoseSubscriber(SimpleController):
@@ -68,7 +68,7 @@ class PoseSubscriber(SimpleController):
 
 
 def set_pose(body: Body, transform: Transform) -> None:
-    """Set the pose of a displayed body to a transform in the frame ``odom``. Main thread."""
+    """Set the pose of a displayed body to a transform in the frame ``odom``. Main thread only."""
     p, q = transform.translation, transform.rotation
     body.position = p.x, p.y, p.z
     body.orientation_wxyz = q.w, q.x, q.y, q.z
