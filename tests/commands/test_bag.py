@@ -37,7 +37,7 @@ def test_a_drive_is_recorded_and_played(tank, node, tmp_path):
     (path / "metadata.yaml").unlink()  # a killed recorder leaves none
     info = tank("bag info", path)
     assert f"Topic: {JOINTS} | Type: sensor_msgs/msg/JointState | Count: 200 " in info.stdout
-    assert "This bag is damaged, and is read as far as it goes: its metadata.yaml is missing" in info.stderr
+    assert "This bag is damaged, and is read as far as possible: its metadata.yaml is missing" in info.stderr
     node.create_subscription(JointState, JOINTS, heard.append, 200)
     node.create_subscription(Clock, "/clock", clocks.append, qos_profile_sensor_data)
     loop = f"bag play --loop --clock 40 --rate 4 --topics {JOINTS} --"

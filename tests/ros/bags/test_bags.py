@@ -179,7 +179,7 @@ def test_a_killed_recording_is_read_up_to_its_last_flush(tmp_path, storage):
     bag = Bag(tmp_path / "bag")
     assert list(bag.raw_messages()) == written[:90]
     assert sum(topic.count for topic in bag.topics) == 90
-    assert "metadata.yaml is missing, as of a recording that was killed" in bag.damage
+    assert "metadata.yaml is missing, as happens if a recording is killed" in bag.damage
 
 
 def test_a_truncated_file_is_read_as_far_as_possible(tmp_path, storage):
@@ -400,7 +400,7 @@ def test_compressed_files(tmp_path):
     [
         ("nowhere", "there is no bag"),
         ("empty", r"it has no \.mcap or \.db3 file\.$"),
-        ("old", r"it has no \.mcap or \.db3 file\. 'old/x\.bag': it is a bag of ROS 1"),
+        ("old", r"it has no \.mcap or \.db3 file\. 'old/x\.bag': it is a ROS 1 bag"),
         ("x", "'x' is not a bag: it is neither"),
     ],
 )
@@ -419,7 +419,7 @@ FOREIGN = [
     ("x.mcap", LFS, "git lfs pull"),
     ("x.db3", LFS, "git lfs pull"),
     ("old 1.bag", b"#ROSBAG V2.0\n\x45\0", "rosbags-convert --src 'old 1.bag' --dst 'old 1'"),
-    ("older.bag", b"#ROSRECORD V1.1\n", "it is a bag of ROS 1"),
+    ("older.bag", b"#ROSRECORD V1.1\n", "it is a ROS 1 bag"),
     ("x.mcap.zstd", zstd.compress(b"x"), "zstd -d x.mcap.zstd -o x.mcap"),
     ("x.db3", zstd.compress(b"x"), "zstd -d x.db3 -o x"),
     ("x.mcap.lz4", lz4.compress(b"x"), "it is compressed with lz4"),

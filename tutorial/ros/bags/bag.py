@@ -38,7 +38,7 @@ class BagTopic(NamedTuple):
 
 
 class _Information(msgspec.Struct):
-    """The fields that are read from a bag's ``metadata.yaml``: its files contain the rest, too."""
+    """The fields that are read from a bag's ``metadata.yaml``; its files contain all other fields, too."""
 
     message_count: int | None = None
     compression_mode: str = ""
@@ -110,7 +110,7 @@ class Bag:
         if not self._faults:
             return ""
         first, more = list(self._faults)[:MOST_FAULTS], "; and others" if len(self._faults) > MOST_FAULTS else ""
-        return f"This bag is damaged, and is read as far as it goes: {'; '.join(first)}{more}."
+        return f"This bag is damaged, and is read as far as possible: {'; '.join(first)}{more}."
 
     def channel(self, topic: str) -> Channel:
         """Return the description of a topic.
@@ -156,7 +156,7 @@ class Bag:
             yield name, time, message
 
     def raw_messages(self, topics: Collection[str] | None = None, start_offset: float = 0.0) -> Iterator[RawMessage]:
-        """Yield the messages without decoding them, in CDR.
+        """Yield the messages as CDR, without decoding them.
 
         Args:
             topics: the topics to read; None for all.
@@ -191,7 +191,7 @@ class Bag:
         return None
 
     def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
-        """Yield the messages sorted by time. A message written up to one batch too late is put in its place."""
+        """Yield the messages sorted by time. A message written up to one batch too late is moved to its place."""
         waiting: list[RawMessage] = []
         for batch in chain.from_iterable(reader.batches(since) for reader in self._readers):
             found = list(batch)
@@ -238,7 +238,7 @@ class Bag:
     def _read_metadata(self) -> _Information:
         path = self.path / "metadata.yaml"
         if not is_file(path):
-            self._say("its metadata.yaml is missing, as of a recording that was killed")
+            self._say("its metadata.yaml is missing, as happens if a recording is killed")
             return _Information()
         try:
             return msgspec.convert(read_yaml(path.read_bytes()), _Metadata).rosbag2_bagfile_information

@@ -9,14 +9,14 @@ HEAD = 512  # bytes, enough for every kind
 SUFFIXES = {b"\x89MCAP0\r\n": ".mcap", b"SQLite format 3\0": ".db3"}
 """First bytes of each kind of bag file, and the usual suffix of its name."""
 
-ROS_1 = "it is a bag of ROS 1. Convert it to ROS 2: rosbags-convert --src {name} --dst {stem}"
+ROS_1 = "it is a ROS 1 bag. Convert it to ROS 2: rosbags-convert --src {name} --dst {stem}"
 FOREIGN = {
     b"version https://git-lfs.github.com/": (
         "it is a Git LFS pointer, not the file itself. Download the file: git lfs pull"
     ),
     b"#ROSBAG V": ROS_1,
     b"#ROSRECORD V": ROS_1,
-    b"rosbag2_bagfile_information:": "it is a bag's metadata. Give the folder that it is in",
+    b"rosbag2_bagfile_information:": "it is a bag's metadata. Give the folder that contains it",
     b"\x28\xb5\x2f\xfd": "it is compressed with zstd. Unpack it first: zstd -d {name} -o {stem}",
     b"\x1f\x8b": "it is compressed with gzip. Unpack it first",
     b"\x04\x22\x4d\x18": "it is compressed with lz4. Unpack it first",

@@ -1,8 +1,8 @@
 """Read and write MCAP files, the default format of ``ros2 bag`` (https://mcap.dev/spec).
 
 A file is a sequence of records. Messages are grouped in chunks, and a summary of the file follows the last one. The
-package mcap reads and writes single records. Its reader of files, like that of rosbags, needs a complete file; the one
-here also reads what a killed program or a failing disk has left.
+package mcap reads and writes single records. Its file reader, like the reader in rosbags, needs a complete file; this
+module also reads what a killed program or a failing disk has left.
 """
 
 import struct
@@ -42,7 +42,7 @@ DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {
     "zstd": lambda data, size: zstd.ZstdDecompressor().decompress(data, max_length=size),
     "lz4": lambda data, size: LZ4FrameDecompressor().decompress(data, max_length=size),
 }
-"""Decompressors that stop at a given length, unlike those of the package mcap."""
+"""Decompressors that stop at a given length, unlike the decompressors in the package mcap."""
 
 CUT_CHUNK = "a chunk in it is incomplete"
 CUT_OFF = "it ends in the middle of a record"
@@ -117,7 +117,7 @@ class McapReader:
             self._check_begin(file)
             end = file.seek(self._end - len(MCAP0_MAGIC))
             if file.read() != MCAP0_MAGIC:
-                say("its end is missing, as of a recording that was killed or filled the disk")
+                say("its end is missing, as happens if a recording is killed or fills the disk")
                 return
             self._end = end
             footer = next(self._records(file, max(end - FOOTER_SIZE, 0), end), None)
@@ -176,7 +176,7 @@ class McapReader:
                 self._say("a message in it belongs to no topic")
 
     def _take(self, record: records.McapRecord) -> None:
-        """Store a topic or its type's name. The first one with an id counts, because repetitions may be damaged."""
+        """Store a topic or its type's name. Keep the first one with an id, because repetitions may be damaged."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
         elif isinstance(record, records.Channel):

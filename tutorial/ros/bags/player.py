@@ -24,8 +24,8 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # like rclcpp's ClockQoS
-SETTLE_FOR = 0.3  # [s] the time that Fast DDS takes until a discovered subscription has discovered the publisher, too
-LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: one with a single message would keep a core busy
+SETTLE_FOR = 0.3  # [s] that Fast DDS needs until a discovered subscription has discovered the publisher, too
+LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: a bag with one message would keep a core busy
 LONGEST_WAIT = 1.0  # [s] between two progress reports
 LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
 ACKNOWLEDGED_IN = 1.0  # [s], maximum
@@ -34,7 +34,7 @@ _log = logging.getLogger(__name__)
 
 
 class Player:
-    """Plays a bag: publishes the recorded messages byte for byte, with the QoS that was offered then.
+    """Plays a bag: publishes the recorded messages byte for byte, with the QoS that its publishers offered.
 
     Args:
         node: the node that publishes.

@@ -28,7 +28,7 @@ def qos_text(profiles: Iterable[QoSProfile]) -> str:
 
 
 def offered(text: str) -> QoSProfile:
-    """Return the QoS to play a topic with: that of its publishers if they all offered the same, else the default.
+    """Return the QoS to play a topic with: its publishers' QoS if they all offered the same, otherwise the default.
 
     The depth is always the default, as in ``ros2 bag play``.
 

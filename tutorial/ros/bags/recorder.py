@@ -26,7 +26,7 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 LOOK_EVERY = 0.1  # [s] between two checks for new topics and received messages
 QUIET = 0.1  # [s] of silence before the recorder stops expecting messages
 FLUSH_EVERY = 1.0  # [s]; a killed recording lacks this much at its end
-DEPTH = 1000  # depth of the subscriptions; the publishers' can be too small while Python is busy
+DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum size of the messages that wait to be written
 
 _log = logging.getLogger(__name__)
@@ -126,14 +126,14 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be completed: {self.error.strerror}. Its content can be read, "
-                f"but {self.lost:,} messages and those of the preceding second are lost. Free some space, or record to "
+                f"but {self.lost:,} messages, and the second before them, are lost. Free some space, or record to "
                 "a different disk."
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait until messages sent before the end have arrived: until no more come, for a second at most.
+        """Wait for messages sent before the end: until no more arrive, for at most a second.
 
-        A timer on the executor's thread checks that, because no messages arrive while that thread is busy.
+        A timer on the executor's thread checks this, because no messages arrive while that thread is busy.
         """
         seen: deque[int] = deque(maxlen=3)
         quiet = threading.Event()

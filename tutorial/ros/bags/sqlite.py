@@ -13,7 +13,7 @@ from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage
 
 COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
-"""The columns that are read for each topic, with a replacement where an older ros2 bag did not write one."""
+"""The columns that are read for each topic, with a default for columns that an older ros2 bag did not write."""
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
 MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # the + avoids the index
 UNFINISHED = {
@@ -98,8 +98,8 @@ class SqliteReader:
                     if _has_content(Path(f"{path}{suffix}")):
                         say(missing)
                 rows = self._topics()
-            if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:  # SQLite reads zeros there
-                say("its last page is incomplete, so messages there may be wrong")
+            if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:  # SQLite reads the missing bytes as zeros
+                say("its last page is incomplete, so messages on it may be wrong")
         except UNREADABLE as error:
             raise CorruptBagError(f"SQLite says: {printable(str(error))}") from error
         self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
@@ -110,7 +110,7 @@ class SqliteReader:
         return list(self._rows(f"SELECT {', '.join(columns)} FROM topics"))
 
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
-        """Yield the messages from a time on [ns], in batches."""
+        """Yield the messages received at a time [ns] or later, in batches."""
         messages = self._messages(since)
         while batch := list(islice(messages, BATCH)):
             yield batch
@@ -131,7 +131,7 @@ class SqliteReader:
         with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as database:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
             database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
-            # allow only tables: a query on a view, whose name is the last argument, may never end
+            # the last argument names a view, if any: deny views, because a query on one may never end
             database.set_authorizer(lambda *names: sqlite3.SQLITE_DENY if names[-1] else sqlite3.SQLITE_OK)
             yield from database.execute(query, values)
 

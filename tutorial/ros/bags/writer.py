@@ -43,7 +43,7 @@ class BagWriter:
         self._span = Span()
         self._files: dict[str, Span] = {}
         try:
-            str(path).encode()  # the bag contains its own name
+            str(path).encode()  # the bag stores its own name, in UTF-8
             path.mkdir(parents=True)
             self._begin_file()
         except UnicodeEncodeError:
