@@ -55,7 +55,7 @@ def test_reading_waits_its_turn(node, stranger, monkeypatch):
 @pytest.mark.parametrize(
     ("names", "said"),
     [
-        (["x" * 200] * 400, "it has .* bytes, at most 32,768 are read"),
+        (["x" * 200] * 400, "it has .* bytes; at most 32,768 are read"),
         (["no_utf"], ".* bytes are not a ParticipantEntitiesInfo: .*"),
     ],
     ids=["long", "broken"],

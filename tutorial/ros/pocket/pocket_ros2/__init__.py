@@ -12,7 +12,7 @@ from pathlib import Path
 __all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
-"""The folder that is added to Python's path. Its packages are only found there, so they hide no real ones."""
+"""The folder that is added to Python's path. Its packages can be found only there, so they hide no real packages."""
 
 
 def install(*, first: bool = False) -> bool:
@@ -30,7 +30,7 @@ def install(*, first: bool = False) -> bool:
         return False
     if first or str(PATH) not in sys.path:
         sys.path.insert(0 if first else len(sys.path), str(PATH))
-    import _absent  # noqa: PLC0415  (importable only now, like the next one)
+    import _absent  # noqa: PLC0415  (importable only now, like the next import)
     from _rosidl import finder  # noqa: PLC0415
 
     finder.install()
@@ -42,7 +42,7 @@ def uninstall() -> bool:
     """Undo `install`, so that a real rclpy can be imported instead.
 
     Returns:
-        Whether that was possible. If anything from the pocket ROS 2 has already been imported, nothing changes.
+        Whether this was possible. If anything from the pocket ROS 2 has already been imported, nothing changes.
     """
     if "_rosidl.message" in sys.modules:  # imported by pocket's rclpy, too
         return False

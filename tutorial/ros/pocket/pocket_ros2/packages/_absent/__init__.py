@@ -17,7 +17,7 @@ IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
 FROM_PYPI = " The tank tutorial installs one from PyPI: tank ros install."
 
 INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
-"""Suffixes of message packages, including users' own."""
+"""Suffixes of message packages, including users' own packages."""
 
 INSTALLATION = "https://docs.ros.org/en/jazzy/Installation.html"
 

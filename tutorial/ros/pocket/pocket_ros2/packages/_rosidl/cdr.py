@@ -41,7 +41,7 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     """Decode CDR bytes into a message, ignoring padding and anything after the last field.
 
     Raises:
-        Exception: the bytes are not such a message; the exception can be of many kinds.
+        Exception: the bytes are not such a message; the exception can be of any type.
     """
     if (encoding := data[:2]) not in ORDERS or len(data) < HEADER:
         raise ValueError(f"they begin with {data[:HEADER].hex(' ') or 'nothing'}, which is not plain CDR")

@@ -26,7 +26,7 @@ EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 
 
 class Cardinality(Enum):
-    """How many values a field holds. In the common interfaces, only number fields have a fixed number."""
+    """How many values a field holds. In the common interfaces, only fields of numbers have a fixed size."""
 
     SCALAR = "one"
     ARRAY = "a fixed number"
@@ -69,7 +69,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Definition:
-    """One message type: its constants by name, and its fields in the order of the wire."""
+    """One message type: its constants by name, and its fields in their order on the wire."""
 
     type_name: str
     constants: dict[str, Any]

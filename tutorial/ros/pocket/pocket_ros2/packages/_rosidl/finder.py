@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any
 
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
-"""Suffixes of message packages. Checking them first saves other failing imports from loading the definitions."""
+"""Suffixes of message packages. Checking them first keeps other failing imports from loading the definitions."""
 
 
 def install() -> None:
@@ -74,7 +74,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Raise an error that suggests a message with a similar name; without one, let Python raise its own."""
+    """Raise an error that suggests a message with a similar name; if there is none, let Python raise its own."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"

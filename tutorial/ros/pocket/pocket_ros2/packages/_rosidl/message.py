@@ -1,4 +1,4 @@
-"""Message classes with the interface of those that ROS 2 generates for Python."""
+"""Message classes with the same interface as the classes that ROS 2 generates for Python."""
 
 from __future__ import annotations
 

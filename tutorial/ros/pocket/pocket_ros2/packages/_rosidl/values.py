@@ -55,7 +55,7 @@ class Container(NamedTuple):
 
     Attributes:
         kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number.
-        make: converts values to the container; copies one.
+        make: converts values to the container; copies a container.
         default: returns an empty container, or one with zeros.
     """
 

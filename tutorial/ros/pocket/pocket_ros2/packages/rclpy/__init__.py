@@ -135,7 +135,7 @@ def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
 
 
 def _end(shut_down: Any, context: Context | None, uninstall_handlers: bool | None) -> None:
-    """Shut down the global executor, without waiting because a callback may be the caller, then the context."""
+    """Shut down the global executor, then the context. Don't wait for callbacks: the caller may be one."""
     global _executor  # noqa: PLW0603
     default = context is None or context is get_default_context()
     with _lock:

@@ -40,7 +40,7 @@ class AbsentAttribute:
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
-    """Refuse options of a function that only a real rclpy has, if they are used.
+    """Refuse the options in a call that only a real rclpy has.
 
     Raises:
         NeedsRealROSError: such an option is used.

@@ -60,8 +60,8 @@ _forked = False
 class Payload:
     """CDR bytes on their way into or out of Cyclone DDS, which handles this class like one of its own structs.
 
-    A received message is therefore decoded only where it is needed, on any thread, and a malformed one does not affect
-    the messages after it.
+    A received message is therefore decoded only where it is needed, on any thread, and a malformed message does not
+    affect later ones.
     """
 
     __slots__ = ("data", "sample_info")
@@ -234,7 +234,7 @@ class Waiter:
             self._guard = core.GuardCondition(participant)
 
     def watch(self, endpoints: Sequence[tuple[Any, Any]]) -> None:
-        self._close_wait_set()  # entities come and go on other threads, so the next one is new
+        self._close_wait_set()  # a new one is needed because other threads add and delete entities
         sources = [(self._guard, None)]
         for endpoint, owner in endpoints:
             sources.append((endpoint.dds, None))
@@ -243,7 +243,7 @@ class Waiter:
         self._owners = [owner for _, owner in sources]
         with lock:
             wait_set = self._wait_set = core.WaitSet(self._participant)
-        for key, (source, _) in enumerate(sources):  # fails if one was destroyed in the meantime, which wakes us again
+        for key, (source, _) in enumerate(sources):  # fails if one has just been destroyed, which wakes us again
             wait_set._waitset_attach(wait_set._ref, source._ref, key)
 
     def wait(self, timeout: float) -> list[Any]:
@@ -333,10 +333,10 @@ class Participant:
     def _listed(self, topic: Any, read: Callable[[Any], Entry]) -> list[Entry]:
         """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
-        Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader lives only during the call,
-        because endpoints that are gone would pile up in it. The lock allows one call at a time in the whole process,
-        also because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would
-        convert the policies of all entries, and replace Ctrl-C with an exception of its own.
+        Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader exists only during the call,
+        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, also
+        because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would convert
+        the policies of all entries, and replace Ctrl-C with an exception of its own.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()
@@ -430,7 +430,7 @@ def _close_if_unused(domain_id: int) -> None:
 
 @cache
 def _check_version() -> None:
-    from importlib.metadata import version  # noqa: PLC0415 - it takes 10 ms, which `import rclpy` can save
+    from importlib.metadata import version  # noqa: PLC0415 - it would slow `import rclpy` down by 10 ms
 
     found = version("cyclonedds")
     if found != MADE_FOR:
@@ -451,7 +451,7 @@ def _userdata(qos: Qos) -> bytes:
 
 
 def _forget() -> None:
-    """Drop all DDS entities in a newly forked process, without calls into DDS: they would wait for missing threads."""
+    """Drop all DDS entities in a newly forked process, without calls into DDS, which would wait for missing threads."""
     global _forked  # noqa: PLW0603
     _forked = _forked or bool(_domains)
     for entity in list(core.Entity._entities.values()):

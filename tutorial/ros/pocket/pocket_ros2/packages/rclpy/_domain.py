@@ -22,8 +22,8 @@ UNREACHABLE = (errno.ENETUNREACH, errno.ENETDOWN, errno.EADDRNOTAVAIL)
 
 lock = threading.RLock()
 """Hold this to make, list or delete an entity of the middleware: Cyclone DDS's Python package cannot handle one thread
-deleting an entity that another thread uses to make something. A fork waits for it, so that the child finds no entity
-half made."""
+deleting an entity that another thread uses to make something. A fork waits for it, so that the child inherits no
+half-made entity."""
 
 
 def default_domain_id() -> int:

@@ -40,7 +40,7 @@ class Endpoint(Destroyable):
         self._topic_name = node.resolve_topic_name(topic)
         self.qos_profile = qos_profile
         prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
-        with lock:  # a shutdown waits meanwhile
+        with lock:  # a shutdown has to wait
             participant = node.context.graph.participant
             self._wire = self._create(participant, prefix + self._topic_name, msg_type._definition.type_name)
         self.guid = self._wire.guid
@@ -58,7 +58,7 @@ class Endpoint(Destroyable):
     def destroy(self) -> None:
         """Destroy the endpoint. Idempotent. Messages that wait for a callback are dropped.
 
-        As in rclpy, the node still lists it. A real rclpy's executors fail on that, so a warning is logged once.
+        As in rclpy, the node still lists it. A real rclpy's executors fail on such a node, so a warning is logged once.
         """
         if self._node._remove(self, keep=True) and self._node.context.ok():
             kind = self._noun
@@ -85,7 +85,7 @@ class Endpoint(Destroyable):
             self._node.get_logger().warning(text)
 
     def _count_matched(self, what: str) -> int:
-        """Return the number of matched partners; ``what`` they are is for an error message."""
+        """Return the number of matched partners, which an error message calls ``what``."""
         self._require_handle()
         try:
             return self._wire.count_matched()

@@ -67,9 +67,9 @@ class Graph:
             self._announce()
 
     def nodes(self) -> list[NodeInfo]:
-        """Return all known nodes, those of this process first.
+        """Return all known nodes, this process's own nodes first.
 
-        Each call decodes about :data:`LONGEST` bytes of announcements at most, and leaves the rest to the next one.
+        Each call decodes about :data:`LONGEST` bytes of announcements at most, and leaves the rest to the next call.
         """
         with lock:
             self.listen()
@@ -113,13 +113,13 @@ class Graph:
             self._unread = {gid: data for gid, data in self._unread.items() if gid in alive}
 
     def _announce(self) -> None:
-        with suppress(TransportError):  # the context is shutting down, so nobody needs to know
+        with suppress(TransportError):  # the context is shutting down, which ends all nodes anyway
             self._writer.write(encode_nodes(self.participant.guid, self._local))
 
     def _learn(self, gid: bytes, data: bytes) -> None:
         try:
             if len(data) > LONGEST:
-                raise RCLError(f"it has {len(data):,} bytes, at most {LONGEST:,} are read")
+                raise RCLError(f"it has {len(data):,} bytes; at most {LONGEST:,} are read")
             self._remote[gid] = decode_nodes(data)
         except RCLError as error:
             self._ignored += 1

@@ -1,4 +1,4 @@
-"""The middleware in use. The book's page that drives replaces this module with its own."""
+"""The middleware in use. The book's page ``drive`` replaces this module with its own."""
 
 try:
     from rclpy._cyclone import TransportError, decode_nodes, encode_nodes, join

@@ -41,13 +41,13 @@ class NodeGraph(NodeNames):
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of each topic that a node publishes; an unknown one raises NodeNameNonExistentError."""
+        """Return (topic, types) of a node's publishers; raise NodeNameNonExistentError for an unknown node."""
         return self._topics_of((node_name, node_namespace), PUBLISHERS, no_demangle)
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of each topic that a node subscribes to, as for publishers."""
+        """Return (topic, types) of a node's subscriptions, as for publishers."""
         return self._topics_of((node_name, node_namespace), SUBSCRIPTIONS, no_demangle)
 
     def count_publishers(self, topic_name: str) -> int:

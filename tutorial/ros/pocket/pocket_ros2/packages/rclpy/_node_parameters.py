@@ -59,7 +59,7 @@ class NodeParameters:
         """Declare the parameters that every node has.
 
         Args:
-            from_overrides: first declare those in ``parameter_overrides`` and on the command line.
+            from_overrides: first declare the parameters in ``parameter_overrides`` and on the command line.
         """
         if from_overrides:
             given = [(name, value, ParameterDescriptor()) for name, value in self._overrides.items()]
@@ -104,7 +104,8 @@ class NodeParameters:
             TypeError: a tuple is too long or empty, or an element has the wrong type.
             ParameterAlreadyDeclaredException: one has already been declared; then none of them is declared.
             InvalidParameterTypeException: the command line's value is of a different type.
-            InvalidParameterValueException: a descriptor or a callback rejects a value; parameters before it stay.
+            InvalidParameterValueException: a descriptor or a callback rejects a value; earlier parameters stay
+                declared.
         """
         return self._declare(namespace, parameters, ignore_override)
 
@@ -202,7 +203,7 @@ class NodeParameters:
         """Return the names of parameters, and the prefixes of these names.
 
         Args:
-            prefixes: list only these names and those below them; an empty list means all.
+            prefixes: list only these names and the names below them; an empty list means all.
             depth: how many levels of names to list; 0 means all.
 
         Raises:
@@ -253,7 +254,7 @@ class NodeParameters:
         """Set parameters one by one, and return for each whether it was set and, if not, why.
 
         Raises:
-            ParameterNotDeclaredException: a parameter has not been declared; those before it stay set.
+            ParameterNotDeclaredException: a parameter has not been declared; earlier ones stay set.
         """
         return [self._set_all([parameter]) for parameter in parameter_list]
 

@@ -113,7 +113,7 @@ def is_listed(name: str, prefixes: Sequence[str], depth: int) -> bool:
 
     Args:
         name: the parameter's name.
-        prefixes: list only these names and those below them; an empty list means all.
+        prefixes: list only these names and the names below them; an empty list means all.
         depth: how many levels of names to list; 0 means all.
     """
     if not prefixes:

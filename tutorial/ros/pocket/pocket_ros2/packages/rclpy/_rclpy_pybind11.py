@@ -19,7 +19,7 @@ class RCLError(RuntimeError):
 
 
 class NodeNameNonExistentError(RCLError):
-    """There is no node of this name."""
+    """There is no node with this name."""
 
 
 class InvalidHandle(RuntimeError):  # noqa: N818  (rclpy's name)

@@ -3,7 +3,7 @@
 A middleware is a module with a function ``join(domain_id)``, which returns a `Participant`, with its exception, called
 ``TransportError``, and with the functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` for a participant's
 announcement of its nodes, whose bytes 4 to 19 are the participant's identifier. `rclpy._cyclone` is the middleware on
-Cyclone DDS; the book's page that drives has its own. `rclpy._middleware` names the one in use. All methods can be
+Cyclone DDS; the book's page ``drive`` has its own. `rclpy._middleware` names the one in use. All methods can be
 called from any thread.
 """
 
@@ -57,10 +57,10 @@ class Entity(Protocol):
         """Return the number of matched partners."""
 
     def take_incompatible(self) -> str:
-        """Return the policy that makes a new partner incompatible, ``"TYPE"``, or "" if there is no such partner."""
+        """Return the policy that makes a new partner incompatible, ``"TYPE"``, or "" if there is none."""
 
     def close(self) -> None:
-        """Delete it. Idempotent."""
+        """Delete this. Idempotent."""
 
 
 class Writer(Entity, Protocol):
@@ -97,7 +97,7 @@ class Waiter(Protocol):
         """End the current wait, or the next one; a signal handler can call this."""
 
     def close(self) -> None:
-        """Delete it. Idempotent."""
+        """Delete this. Idempotent."""
 
 
 class Participant(Protocol):
@@ -117,7 +117,7 @@ class Participant(Protocol):
         """Create a waiter."""
 
     def participants(self, *, only_ros: bool = False) -> set[bytes]:
-        """Return the identifiers of all live participants, or only of those that use ROS 2."""
+        """Return the identifiers of all live participants, or only of the ones that use ROS 2."""
 
     def endpoints(
         self, kind: TopicEndpointTypeEnum, topic_name: str | None = None, *, full: bool = False
@@ -131,4 +131,4 @@ class Participant(Protocol):
         """
 
     def leave(self) -> None:
-        """Leave the domain, and delete everything that was created here."""
+        """Leave the domain, and delete everything that this participant created."""

@@ -125,7 +125,7 @@ class Context:
                 callback()
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Call a function on shutdown, or immediately if that is over; a method only while its object still exists.
+        """Call a function on shutdown, or immediately after it; call a method only if its object still exists.
 
         Raises:
             TypeError: the callback is not callable.
@@ -200,9 +200,9 @@ os.register_at_fork(after_in_child=_forget_all)
 
 @atexit.register
 def _shut_down_all() -> None:
-    """Leave all domains when the interpreter exits, so that others notice at once.
+    """Leave all domains when the interpreter exits, so that other programs notice at once.
 
-    Threads that still run are daemons, about to be stopped. Don't report that the context is closed for them first.
+    Threads that still run are daemons, which are about to be stopped. Don't report their errors about closed contexts.
     """
     report = threading.excepthook
 

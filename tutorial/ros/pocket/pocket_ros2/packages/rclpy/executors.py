@@ -28,7 +28,7 @@ LONGEST_WAIT = 0.1
 """Maximum time for one wait within the middleware [s]: Python handles Ctrl-C only between calls into C."""
 
 FEW = 6
-"""Up to this many endpoints, polling each for a message is faster than asking the middleware which ones have one."""
+"""Up to this many endpoints, polling each one is faster than asking the middleware which endpoints have messages."""
 
 
 class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
@@ -49,7 +49,7 @@ class SingleThreadedExecutor:
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = context or get_default_context()
-        with lock:  # a shutdown waits meanwhile
+        with lock:  # a shutdown has to wait
             self._waiter = self._context.graph.participant.create_waiter()
         self._nodes: tuple[Node, ...] = ()
         self._timers: list[Timer] = []
@@ -128,7 +128,7 @@ class SingleThreadedExecutor:
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and release the nodes. Idempotent.
 
-        A callback that is running on another thread is not waited for.
+        This does not wait for a callback that is running on another thread.
         """
         self._is_shutdown = True
         self._nodes = ()
@@ -215,7 +215,7 @@ class SingleThreadedExecutor:
         self._guards = [guard for node in self._nodes for guard in node.guards]
         self._endpoints = [endpoint for node in self._nodes for endpoint in (*node.publishers, *node.subscriptions)]
         self._subscriptions = [endpoint for endpoint in self._endpoints if isinstance(endpoint, Subscription)]
-        with lock:  # a shutdown waits meanwhile
+        with lock:  # a shutdown has to wait
             if self._context.ok():
                 watched = [(endpoint._wire, endpoint) for endpoint in self._endpoints]
                 self._waiter.watch([(self._context.graph.changes, None), *watched])

@@ -44,7 +44,7 @@ class GuardCondition(Destroyable):
         self._destroyed = True
 
     def wait_time(self) -> float:
-        """Return how long the executor can wait before it executes this [s]."""
+        """Return how long the executor can wait before it executes this condition [s]."""
         return 0.0 if self._triggered and not self._destroyed else math.inf
 
     def execute(self) -> bool:

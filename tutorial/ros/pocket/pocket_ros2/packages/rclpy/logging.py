@@ -97,7 +97,7 @@ class RcutilsLogger:
         set_logger_level(self.name, level)
 
     def get_effective_level(self) -> LoggingSeverity:
-        """Return the severity below which lines are dropped: this logger's own, or the nearest parent's."""
+        """Return the severity below which lines are dropped: this logger's own level, or the nearest parent's level."""
         return get_logger_effective_level(self.name)
 
     def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:

@@ -58,7 +58,7 @@ class Node(NodeGraph, NodeParameters):
         use_global_arguments: also use the process's command line.
         enable_rosout: also publish the node's log lines on ``/rosout``.
         start_parameter_services: has no effect, because there are no services here.
-        parameter_overrides: values that take precedence over those of :meth:`declare_parameter`.
+        parameter_overrides: values that take precedence over the values given to :meth:`declare_parameter`.
         allow_undeclared_parameters: allow setting and reading parameters that have not been declared.
         automatically_declare_parameters_from_overrides: declare the parameters in ``parameter_overrides`` and on the
             command line.
@@ -234,8 +234,8 @@ class Node(NodeGraph, NodeParameters):
         Args:
             timer_period_sec: time between calls [s].
             callback: called without arguments, on the thread that spins.
-            callback_group: not in the pocket ROS 2.
-            clock: the timer's clock; None uses the node's, which can be simulated.
+            callback_group: not supported by the pocket ROS 2.
+            clock: the timer's clock; None uses the node's clock, which can be simulated.
             autostart: start immediately.
 
         Raises:
@@ -251,18 +251,18 @@ class Node(NodeGraph, NodeParameters):
 
         Args:
             callback: called without arguments, on the thread that spins, after any thread has triggered the condition.
-            callback_group: not in the pocket ROS 2.
+            callback_group: not supported by the pocket ROS 2.
         """
         _absent.refuse("Node.create_guard_condition", {"callback_group": callback_group})
         _absent.refuse_coroutine(callback)
         return self._add(GuardCondition(self, callback))
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Create a rate, for a loop on a different thread than the executor's.
+        """Create a rate, for a loop on a thread other than the executor's thread.
 
         Args:
             frequency: how often the loop runs [Hz].
-            clock: the rate's clock; None uses the node's.
+            clock: the rate's clock; None uses the node's clock.
 
         Raises:
             ValueError: the frequency is not positive.
@@ -338,7 +338,7 @@ class Node(NodeGraph, NodeParameters):
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
-        """Convert an error in creating an entity to rclpy's, even if the node or context was closed in the meantime."""
+        """Convert an error in creating an entity to rclpy's error, even if the node or context has just been closed."""
         self._require_context(what)
         try:
             yield
@@ -353,7 +353,7 @@ class Node(NodeGraph, NodeParameters):
 
     def _add(self, entity: Entity) -> Entity:
         with self._lock:
-            if self._destroyed and not isinstance(entity, Timer):  # rclpy still makes timers then, and calls them
+            if self._destroyed and not isinstance(entity, Timer):  # rclpy still makes and calls timers of such nodes
                 entity.close()
                 raise InvalidHandle
             self._entities = (*self._entities, entity)

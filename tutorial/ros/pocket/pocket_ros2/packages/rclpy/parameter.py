@@ -18,7 +18,7 @@ class Parameter:
     Args:
         name: the parameter's name.
         type_: the parameter's type; None uses the type of the value.
-        value: a value of one of the types that parameters can have.
+        value: a value of a type that parameters can have.
 
     Raises:
         TypeError: parameters cannot have such a value.

@@ -25,7 +25,7 @@ class _ShortKeys(Enum):
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """Return these names."""
+        """Return the short names."""
         return [name.lower() for name in cls.__members__]
 
     @classmethod
@@ -40,7 +40,7 @@ class _ShortKeys(Enum):
 
 
 class QoSPolicyEnum(_ShortKeys, IntEnum):
-    """Base of the policies; their numbers are those of rmw."""
+    """Base of the policies, with the numbers that rmw uses."""
 
 
 class HistoryPolicy(QoSPolicyEnum):
@@ -83,7 +83,7 @@ class LivelinessPolicy(QoSPolicyEnum):
 
 
 class _OldName:
-    """A deprecated name of a policy, which still works and warns."""
+    """A deprecated name of a policy, which still works but causes a warning."""
 
     def __init__(self, old: str, new: str) -> None:
         self._old, self._new = old, new
@@ -97,7 +97,7 @@ class _OldName:
 def _add_old_names() -> None:
     """Add deprecated names such as ``HistoryPolicy.RMW_QOS_POLICY_HISTORY_KEEP_LAST``."""
     for policy in (HistoryPolicy, ReliabilityPolicy, DurabilityPolicy, LivelinessPolicy):
-        for new in policy.__members__.keys() - {"BEST_AVAILABLE"}:  # it has no old name
+        for new in policy.__members__.keys() - {"BEST_AVAILABLE"}:  # BEST_AVAILABLE has no old name
             kind = policy.__name__.removesuffix("Policy").upper()
             if policy is LivelinessPolicy and new == "UNKNOWN":
                 kind = "DURABILITY"  # as in rclpy

@@ -68,7 +68,7 @@ class Subscription(Endpoint):
         self._callback = value
 
     def get_publisher_count(self) -> int:
-        """Return the number of publishers that messages are received from."""
+        """Return the number of publishers that the subscription receives messages from."""
         return self._count_matched("publisher")
 
     def execute(self) -> bool:

@@ -18,7 +18,7 @@ class Future:
     ``rclpy.spin_until_future_complete`` waits for it while callbacks run.
 
     Args:
-        executor: not in the pocket ROS 2.
+        executor: not supported by the pocket ROS 2.
     """
 
     def __init__(self, *, executor: None = None) -> None:
