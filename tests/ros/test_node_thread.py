@@ -87,7 +87,7 @@ def test_a_callbacks_exception_is_reported_and_the_node_goes_on(thread, caplog, 
     send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
     until(lambda: [call.args for call in heard.mock_calls] == [("first",), ("second",)], "both messages")
     assert isinstance(thread.error, failure)
-    assert "a callback of the node 'tank' failed; the others go on" in caplog.text
+    assert "a callback of the node 'tank' failed; other callbacks continue" in caplog.text
 
 
 def test_a_destroyed_node_can_be_closed(thread):
@@ -201,7 +201,7 @@ def test_a_repeated_error_is_logged_now_and_then(node, caplog, monkeypatch):
     fail = Mock(side_effect=ValueError)
     node.create_timer(0.001, fail)
     until(lambda: fail.call_count > 3, "some failures")
-    assert caplog.text.count("a callback of the node 'tank' failed; the others go on") == 1
+    assert caplog.text.count("a callback of the node 'tank' failed; other callbacks continue") == 1
 
 
 @pytest.mark.usefixtures("many_switches")

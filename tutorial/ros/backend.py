@@ -41,7 +41,7 @@ def use_real_ros() -> None:
         use_real_ros()
 
     Raises:
-        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the message says what to do.
+        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the error says what to do.
     """
     _choose("rclpy")
     os.environ[VARIABLE] = "rclpy"
@@ -80,7 +80,7 @@ def _require_backend(module: str) -> None:
 
 
 def _choose(wanted: str) -> Backend:
-    """Make the rclpy importable that a value of ``TUTORIAL_ROS`` selects.
+    """Select an rclpy by the value of ``TUTORIAL_ROS``, and make it importable.
 
     Raises:
         TutorialError: the value is invalid, or the selected ROS 2 cannot be used.
@@ -106,7 +106,7 @@ def _choose(wanted: str) -> Backend:
         )
     if sourced is None:
         folder.activate()
-        sys.meta_path.append(_Guard(folder.explain_missing))  # last: called only if no finder finds a module
+        sys.meta_path.append(_Guard(folder.explain_missing))  # last, to see only modules that no other finder finds
     return "rclpy"
 
 

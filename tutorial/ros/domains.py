@@ -24,7 +24,7 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
         avoid: a ROS_DOMAIN_ID that is in use but not reserved, if any.
 
     Raises:
-        TutorialError: all IDs are taken; the message says what to do.
+        TutorialError: all IDs are taken; the error says what to do.
     """
     for number in random.sample(DOMAINS, len(DOMAINS)):
         if str(number) == (avoid or "").strip():

@@ -28,7 +28,7 @@ from tutorial.trace import HandoffTrace
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two checks whether the thread should end
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about the same failure
-GONE_FOR_GOOD = 1000  # consecutive spins, about 0.1 s, that have to fail on a destroyed entity before that is reported
+GONE_FOR_GOOD = 1000  # consecutive failed spins on a destroyed entity (about 0.1 s) before the failure is reported
 
 AnyNode = TypeVar("AnyNode", bound=Node)
 
@@ -36,7 +36,7 @@ _log = logging.getLogger(__name__)
 
 
 Call = Callable[[Any, dict[str, int]], object]
-"""Function that takes a message and what rclpy knows about it, such as ``"source_timestamp"`` [ns]."""
+"""Function that takes a message and rclpy's information about it, such as ``"source_timestamp"`` [ns]."""
 
 
 class TopicMeter:
@@ -80,7 +80,7 @@ class TopicMeter:
 
     @property
     def brings_joint_states(self) -> bool:
-        """Whether these are joint states that the program receives to display."""
+        """Whether the messages are joint states that the program receives and displays."""
         return self.direction == "received" and not self.raw and self.type_name == "sensor_msgs/msg/JointState"
 
     @property
@@ -106,7 +106,7 @@ class TopicMeter:
 class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
     """A node that counts the messages on its topics, and otherwise behaves like rclpy's node.
 
-    The messages of a callback that is a coroutine function are not counted: rclpy awaits it.
+    Messages are not counted if their callback is a coroutine function, which rclpy awaits.
 
     Attributes:
         meters: one for each publisher and subscription, in order of creation.
@@ -173,7 +173,7 @@ class SpinThread(Generic[AnyNode]):
     Args:
         node_class: the node's class.
         name: the node's name, unless it is remapped.
-        args: command line arguments; ROS 2 uses those after ``--ros-args``.
+        args: command line arguments; ROS 2 uses the ones after ``--ros-args``.
 
     Attributes:
         node: the node.
@@ -241,7 +241,7 @@ class SpinThread(Generic[AnyNode]):
         self._context.try_shutdown()
 
     def failed(self, error: BaseException) -> None:
-        """Store and log an exception that a callback raised; other callbacks go on. Called on the node's thread.
+        """Store and log an exception that a callback raised; other callbacks continue. Called on the node's thread.
 
         A repeated failure is logged only now and then, with a count: messages that no callback can handle may arrive
         a thousand times per second.
@@ -251,9 +251,9 @@ class SpinThread(Generic[AnyNode]):
         if failure == self._failure and now - self._failed_at < COMPLAIN_EVERY:
             self._unsaid += 1
             return
-        more = f" ({self._unsaid} more like the one before)" if self._unsaid else ""
+        more = f" ({self._unsaid} more like the previous one)" if self._unsaid else ""
         self._failure, self._failed_at, self._unsaid = failure, now, 0
-        _log.error("a callback of the node %r failed; the others go on%s", self._name, more, exc_info=error)
+        _log.error("a callback of the node %r failed; other callbacks continue%s", self._name, more, exc_info=error)
 
     def _spin(self) -> None:
         gone = 0  # consecutive spins that failed on a destroyed entity

@@ -11,16 +11,16 @@ VALID = re.compile(r"[a-z](_?[a-z0-9])+")
 
 
 def check_package_name(name: str) -> None:
-    """Check that a new package can have a name: it follows REP 144, and no Python module has it.
+    """Check a name for a new package: it must follow REP 144, and no Python module may have the same name.
 
     Raises:
-        TutorialError: the package cannot have this name; the message suggests one.
+        TutorialError: the package cannot have this name; the error suggests one.
     """
     if not VALID.fullmatch(name):
         rule = "Use at least two characters: lowercase letters, digits and single _, starting with a letter."
         raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
     if iskeyword(name) or find_spec(name) is not None:
-        advice = f"Choose another name, such as {f'my_{name}'!r}."
+        advice = f"Choose a different name, such as {f'my_{name}'!r}."
         raise TutorialError(f"Python already has a module or keyword {name!r}: one would hide the other. {advice}")
 
 

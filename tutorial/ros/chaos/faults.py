@@ -43,8 +43,8 @@ FAULTS = {
     "nan": "a position is not a number",
     "infinite": "a position is infinite",
     "huge": "a position is beyond any range",
-    "markup": "there is one more name, with HTML in it",
-    "control": "there is one more name, with control or direction characters in it",
+    "markup": "an extra name contains HTML",
+    "control": "an extra name contains control or direction characters",
     "short": "fewer positions than names",
     "long": "more positions than names",
     "late": "a message is held back for up to 0.3 s, and arrives after newer ones",
@@ -132,7 +132,7 @@ class Chaos:
             age_ns = self._newest_ns - stamp_ns(held)
             if age_ns >= delay_ns:
                 self._held = None
-            if delay_ns <= age_ns <= SECOND_NS:  # otherwise the stamps have jumped, and it is lost
+            if delay_ns <= age_ns <= SECOND_NS:  # otherwise the stamps have jumped, and the held message is lost
                 self.made["late"] += 1
                 actions.append(Action("publish", held))
         return actions
@@ -142,7 +142,7 @@ def parse_fault(text: str) -> tuple[str, float]:
     """Parse a fault: ``"nan:0.1"`` affects one message in ten, ``"nan"`` affects all.
 
     Raises:
-        TutorialError: there is no such fault, and the message suggests the nearest; or the share is invalid.
+        TutorialError: there is no such fault, and the error suggests the nearest name; or the share is invalid.
     """
     name, colon, given = text.partition(":")
     try:
@@ -188,7 +188,7 @@ def _reorder(message: Any, order: list[int]) -> None:
 
 
 def _some(random: Random, count: int) -> int:
-    """Draw how many entries to keep: at least one, and not all if there are several."""
+    """Draw the number of entries to keep: at least one, and not all if there are several."""
     return random.randrange(1, max(count, 2))
 
 

@@ -23,7 +23,7 @@ PATIENT_READS = 30  # the same for a real rclpy that may still discover more: se
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
 TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
 DISCOVERY_TIMEOUT = 2.0  # [s] that a requested node or topic can take to appear
-TIMEOUT_ON_FAST_DDS = 6.0  # [s] the same on Fast DDS
+TIMEOUT_ON_FAST_DDS = 6.0  # [s] the same, with Fast DDS
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 
 
@@ -44,7 +44,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
     began = time.monotonic()
     discovery = TIMEOUT_ON_FAST_DDS if _is_fast_dds() else DISCOVERY_TIMEOUT
     seen: tuple[tuple[str, ...], ...] = ()
-    agreeing = 0  # reads in a row
+    agreeing = 0  # consecutive equal reads
     while True:
         before, seen = seen, _snapshot(node)
         agreeing = agreeing + 1 if seen == before else 0
@@ -52,7 +52,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
         if done and (waited >= discovery or (_has_met_its_own(node) and wanted())):
             return True
         if waited >= timeout:
-            _log.warning("nodes still come and go: this output may be incomplete")
+            _log.warning("nodes are still joining and leaving: this output may be incomplete")
             return False
         await asyncio.sleep(READ_EVERY)
 
@@ -61,7 +61,7 @@ def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
     """Return how many reads have to agree.
 
     The pocket ROS 2 knows which participants have not announced everything. With a real rclpy, a name may be missing
-    because a program that uses DDS without ROS 2 never announces it, and Fast DDS may not have found anybody yet.
+    because a program that uses DDS without ROS 2 never announces it, and Fast DDS may not have found any program yet.
     """
     if hasattr(node.context, "graph"):
         return QUIET_READS if node.context.graph.is_complete() else inf

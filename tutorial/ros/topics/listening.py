@@ -44,7 +44,7 @@ async def topic_echo(
     Args:
         node: the node that subscribes; its thread must spin.
         topic: its name; if it does not exist, wait for it a little.
-        once: end after the first message instead of going on forever.
+        once: end after the first message instead of continuing forever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show only the type and length of each array.
         timeout: maximum wait for each message [s]; None to wait forever.
@@ -75,8 +75,8 @@ async def topic_hz(
 
     Args:
         node: the node that subscribes; its thread must spin. If it uses simulated time, intervals are measured in it.
-        topic: its name; if it does not exist, wait for it a little, then yield a warning and go on waiting.
-        window: the number of recent intervals that count.
+        topic: its name; if it does not exist, wait for it a little, then yield a warning and keep waiting.
+        window: the number of recent intervals to average over.
         timeout: maximum wait for the topic, and then for each message [s]; None to wait forever.
 
     Yields:

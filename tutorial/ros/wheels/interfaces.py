@@ -1,7 +1,7 @@
-"""Build interface packages, which define messages, services and actions, for the real ROS 2 from PyPI.
+"""Build interface packages (messages, services and actions) for the real ROS 2 from PyPI.
 
-The packages are ordinary ones that colcon can build, too. CMake and ROS 2's generators are also installed from wheels,
-into the folder ``build`` of the real ROS 2's folder. `interfaces.cmake` has the settings for these folders.
+These are ordinary packages, which colcon can build, too. CMake and ROS 2's generators are also wheels, installed in the
+real ROS 2's subfolder ``build``. `interfaces.cmake` contains the settings for these folders.
 """
 
 import os
@@ -35,7 +35,7 @@ FOREIGN = ("AMENT_", "CMAKE_", "COLCON_", "DESTDIR", "LD_", "PYTHON")
 def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
     """Build an interface package, install it into the folder of the real ROS 2, and return its name.
 
-    Building a package again replaces it. It installs only a complete build.
+    Building a package again replaces it. Only a complete build is installed.
 
     Args:
         source: the package's folder.
@@ -43,7 +43,7 @@ def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
         report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: the folder is not an interface package, or the build failed; the message says what to do.
+        TutorialError: the folder is not an interface package, or the build failed; the error says what to do.
     """
     name = _read_name(source)
     with alone(prefix):
@@ -62,7 +62,7 @@ def build_tf2_msgs(prefix: Path, report: Report) -> None:
         report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: the build failed; the message says what to do.
+        TutorialError: the build failed; the error says what to do.
     """
     with alone(prefix):
         if can_build() and not (folder.site_packages(prefix) / TF2_MSGS.name).exists():
@@ -99,7 +99,7 @@ def _check_free(name: str, prefix: Path) -> None:
     site = folder.site_packages(prefix)
     if name == TF2_MSGS.name or any(site.glob(f"ros_{name}-*.dist-info")):
         raise TutorialError(f"ROS 2 already has a package {name!r}. Choose a different name, such as {f'my_{name}'!r}.")
-    if not (VALID.fullmatch(name) and (site / name).exists()):  # otherwise it was built before
+    if not (VALID.fullmatch(name) and (site / name).exists()):  # otherwise, it is an earlier build
         check_package_name(name)
 
 
