@@ -1,4 +1,4 @@
-"""Self-checks of the exercises. `README.md` in this folder says how to add one.
+"""Self-checks of the exercises. `README.md` in this folder explains how to add an exercise.
 
 In a notebook::
 

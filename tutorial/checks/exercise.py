@@ -36,7 +36,7 @@ class Exercise:
             that begin with ``Hint 1: `` (what to look at), ``Hint 2: `` (how it is done), ``Hint 3: `` (nearly the
             code), and ``Notice`` (about a right answer).
         cases: the cases that an answer has to pass, the known mistakes, and the solution.
-        parts: the methods that the learner has to write. By default, for a controller, those that the solution
+        parts: the methods that the learner has to write. By default, for a controller, the methods that the solution
             overrides; for any other class, all of the solution's methods.
         imports: the import statements that the solution needs and the notebook lacks.
     """
@@ -73,7 +73,7 @@ class Exercise:
         return self._first_look(answer) or self._verdict(*await contain(self.module, self.name, answer))
 
     def judge(self, answer: Any) -> Verdict:
-        """Judge an answer in this process, without containing it. The environment has to set a ROS domain."""
+        """Judge an answer in this process, not in a separate one. The environment has to set a ROS domain."""
         with Instruments() as instruments:
             return self._verdict(tuple(self.findings(answer, instruments)))
 
@@ -168,7 +168,7 @@ def _base_of(solution: Any) -> type | None:
 
 
 def _own_methods(solution: Any, base: type | None) -> list[str]:
-    """Return a solution's public methods; for a controller, only those that it overrides."""
+    """Return a solution's public methods; for a controller, only the methods that it overrides."""
     written = [each for each in vars(solution) if each[0] != "_"]
     return [each for each in written if base is object or hasattr(SimpleController, each)]
 

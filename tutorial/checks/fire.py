@@ -8,7 +8,7 @@ pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the 
 - `FireButton` doesn't need `self.joy`, but your callback may put the message there, too.
 
 Hint 1: Think of messages without a pressed button: it is released, or the message has no buttons. What does self.fire
-have to hold after those?
+have to hold after such messages?
 
 Hint 2: message.buttons is a list, and it can be empty. Check its length before you read its first entry. Then put the
 result, whether it is True or False.

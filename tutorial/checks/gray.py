@@ -26,7 +26,7 @@ message.step = message.width; message.data = array("B", pixels.mean(axis=2).asty
 Time(nanoseconds=time_ns).to_msg().
 
 Notice that the control loop never waits for a picture. And gray pictures at half the rate need a sixth of the bytes per
-second that colour needs.
+second that colour pictures need.
 """
 
 from array import array

@@ -52,7 +52,7 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
 class GyroPublisher(SimpleController):
-    """Publish the angular velocity at 10 Hz, averaged over the steps since the last message."""
+    """Publish the mean angular velocity of the steps since the last message, at 10 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the publisher; its topic is named after the body."""
@@ -127,7 +127,7 @@ MISTAKES = [
             replace("self.sensor.value)", "np.degrees(self.sensor.value))", "np.radians(self.sensor.value))")),
 ]  # fmt: skip
 MEANING = ("You probably leave out measurements, count some twice, or weight them. "
-           "Publish the plain average of all since the last message, one per step.")  # fmt: skip
+           "Publish the plain average of all measurements since the last message, one from each step.")  # fmt: skip
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
 GYROSCOPE_ALONE = """

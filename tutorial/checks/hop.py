@@ -122,7 +122,7 @@ class Hall(Viewer):
         return "somewhere else" if x or y else f"{z:.3g} m higher"
 
     def falls(self) -> str:
-        """Wait until the body is down again, and say how long that took."""
+        """Wait until the body is down again, and report how long it took."""
         self.shown.clear()
         began, timers = self.loop.time(), len(self.loop.timers)
         for _ in range(1000):
@@ -204,7 +204,7 @@ CASES = [
          "without z, which contains gravity."),
     Case("after a blow", hopped(blow, Hall.where),
          "You probably put the body somewhere else, or change a copy of its position. Store "
-         "self.body.position when the blow arrives, then set self.body.position to its x, y and z + 0.1."),
+         "self.body.position when the blow arrives, then set self.body.position to the stored x, y and z + 0.1."),
     Case("the hop ends", hopped(blow, Hall.falls),
          "You probably use a different timer or duration, or the function that it calls does not put "
          "the body back. In update write asyncio.get_running_loop().call_later(0.5, self.land)."),

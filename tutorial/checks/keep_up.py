@@ -70,7 +70,7 @@ POST = "self.call_latest(self.body.name, self.update, message)"
 
 
 def burst(begin: int, look: Callable[[Viewer, Sequence[str]], str]) -> Step:
-    """Make a step: deliver many messages while the main thread is busy, then observe something.
+    """Make a step that delivers many messages while the main thread is busy, then observes something.
 
     Args:
         begin: the number of the first message, counted over all bursts.

@@ -60,14 +60,14 @@ class Pairs:
 
 MISTAKES = [
     Mistake("you compare the stamps as objects, with `is` or id. "
-            "Each message has its own: compare sec and nanosec.",
+            "Each message has a stamp of its own: compare sec and nanosec.",
             replace("message.header.stamp.sec, message.header.stamp.nanosec", "id(message.header.stamp)")),
     Mistake("you compare only sec, or only nanosec: a stamp is both.",
             replace("together =", "stamp = stamp[0]\ntogether =", "stamp = stamp[1]\ntogether =")),
     Mistake("you drop all waiting messages when a pair is complete: "
-            "drop only those from before the pair's first message.",
+            "drop only the messages that arrived before the pair's first message.",
             replace("while stamp in self.waiting:", "self.waiting.clear()\nwhile False:")),
-    Mistake("you keep messages from before a pair. Drop them, even if their partners still arrive.",
+    Mistake("you keep messages that arrived before a pair. Drop them, even if their partners still arrive.",
             replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
     Mistake("you return two messages of one topic as a pair: a pair has one of each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
@@ -148,11 +148,11 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
 
 
 STILL_WAITING = ("You probably keep only one message per topic, or refuse "
-                 "smaller stamps: messages from after a pair still wait.")  # fmt: skip
+                 "smaller stamps: messages that arrived after a pair's first message still wait.")  # fmt: skip
 NANOSECONDS = ("You probably round the stamps, as floats do, or treat "
                "nearly equal ones as equal: every nanosecond counts.")  # fmt: skip
-PAST = ("You probably drop too few or too many messages: a complete pair "
-        "drops those from before its first message, of both topics.")  # fmt: skip
+PAST = ("You probably drop too few or too many messages: when a pair is complete, "
+        "drop the messages on both topics that arrived before its first message.")  # fmt: skip
 NEW_START = "You probably test which stamp is larger. After a restart they begin at 0: use the order of arrival."
 FIFTY = ("You probably let fewer or more than 50 messages wait, or drop "
          "the wrong one: drop the one that arrived first.")  # fmt: skip

@@ -16,8 +16,8 @@ from typing import Any
 import msgspec
 
 FILE = ".tank_progress.json"
-VARIABLE = "TANK_PROGRESS"  # names another file, for tests
-LARGEST = 2**20  # [bytes] a thousand times the usual size
+VARIABLE = "TANK_PROGRESS"  # names a different file, for tests
+LARGEST = 2**20  # [bytes], a thousand times the usual size
 
 
 class _File(msgspec.Struct):
@@ -115,7 +115,7 @@ def _file(folder: Path) -> Path:
 
 
 def _in_notebook() -> bool:
-    """Whether this process is a notebook's kernel."""
+    """Return whether this process is a notebook's kernel."""
     ipython: Any = sys.modules.get("IPython")
     return ipython is not None and getattr(ipython.get_ipython(), "kernel", None) is not None
 

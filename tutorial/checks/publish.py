@@ -78,7 +78,7 @@ class SlowPublisher(SimpleController):
 MISTAKES = [
     Mistake(ALL_JOINTS, replace("io.body.joints", '[io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")]',
                                 "io.body.joints[:2]")),
-    Mistake("you change the order of the joints. Keep that of io.body.joints.",
+    Mistake("you change the order of the joints. Keep the order of io.body.joints.",
             replace("io.body.joints", "sorted(io.body.joints, key=lambda joint: joint.name)", "io.body.joints[::-1]")),
 ]  # fmt: skip
 MEANING = f"Most likely {ALL_JOINTS}"

@@ -86,7 +86,7 @@ MEANING = ("Compare your steps with these: stop listening, put None, join, close
 NEVER = "You probably put None after join, or not at all: put it before join, so the thread ends."
 PAST_NONE = "You probably continue after None: leave the loop when you take it."
 STOLEN = "You probably take None out of the queue outside of the thread: call get only in write, on the thread."
-BUSY = "That keeps the processor busy: self.received.get() waits for an entry, and self.writer.join() for the thread."
+BUSY = "A busy loop wastes CPU time: self.received.get() waits for an entry, and self.writer.join() for the thread."
 THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
 NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
 TOO_EARLY = "super().configure(config) starts the thread: set everything that write needs before that line."
@@ -120,12 +120,13 @@ class Surroundings:
         self.node.get_logger = partial(get_logger, "tank")
 
     def configure(self) -> None:
-        """Call the learner's `configure`, with `begin` instead of the notebook's.
+        """Call the learner's `configure`, with `begin` in place of the notebook's `configure`.
 
-        The notebook's `configure`, or a learner's copy of it, is the first one in the MRO that calls no other.
+        The notebook's method, or a learner's copy of it, is the first one in the MRO that calls no other.
 
         Raises:
-            Failure: the method raised an exception, did not call the notebook's, or started the thread too early.
+            Failure: the method raised an exception, did not call the notebook's method, or started the thread too
+                early.
         """
         kinds = [each for each in type(self.recorder).__mro__ if "configure" in vars(each)]
         base = next((each for each in kinds if not _calls_configure(vars(each)["configure"])), SimpleController)

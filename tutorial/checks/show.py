@@ -37,7 +37,7 @@ from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-TRIES = 12  # different messages; the last one is repeated
+TRIES = 12  # number of different messages; the last one is repeated
 
 
 class MyViewer(SimpleController):
@@ -77,7 +77,7 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def states(*messages: tuple[str, Sequence[float]]) -> Step:
-    """Make a step: messages arrive, each 20 ms after the previous one, and the posted calls run."""
+    """Make a step in which messages arrive, each 20 ms after the previous one, and the posted calls run."""
     return heard(*[joint_state(*each, 100_200 + 20 * i) for i, each in enumerate(messages)])
 
 

@@ -71,8 +71,8 @@ class ThriftyPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("your first message lacks joints. Nothing was sent before it, "
-            "so begin with an empty self.sent, and all joints are new.",
+    Mistake("your first message lacks joints. Nothing was sent before it: "
+            "begin with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
     Mistake("you send all joints in every message. Name those that have moved, and store what you have sent for them.",

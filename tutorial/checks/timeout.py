@@ -119,7 +119,7 @@ CASES = [
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a held stick, an equal message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
          "You probably compare the messages' contents, or look for the message "
-         "among all earlier ones. Compare with the last one, by `is not`."),
+         "among all earlier ones. Compare with the last one, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
     Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
          "You probably keep id(message), and a later message can get "

@@ -56,7 +56,7 @@ MISTAKES = [
     Mistake("you go from the first transform to the last. The point is "
             "in the last one's frame: go from the last to the first.",
             replace("reversed(transforms)", "transforms")),
-    Mistake("you add the inner translations without turning them. Each transform turns all that is inside it.",
+    Mistake("you add the inner translations without turning them. Each transform turns everything inside it.",
             both(replace("for stamped", "place = np.zeros(3)\nfor stamped"),
                  replace("point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])",
                          "point = turned(stamped.transform.rotation, point)\nplace = place + [t.x, t.y, t.z]"),
@@ -159,7 +159,7 @@ CASES = [
          "the three wrongly: compare with turned(q, point)."),
     Case("two transforms", tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)), IN_TURN, crashes=True),
     Case("quaternions with all signs changed", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
-         "q and -q are the same rotation. You probably use the sign of w without those of x, y and z."),
+         "q and -q are the same rotation. You probably use the sign of w without the signs of x, y and z."),
     Case("five transforms", tried(LONG, (0.3, 0.1, -0.2)), IN_TURN, crashes=True),
     Case("a point of ints", tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
          "An array made from ints can hold only ints. You probably lose "

@@ -3,7 +3,7 @@
 An exercise's module imports each name from the module here that defines it.
 
 - `answer`, `failure`: the learner's code, and its failures. `exceptions`: their most likely causes.
-- `trial`, `instruments`: one attempt at an answer, and how the answer uses time and threads meanwhile.
+- `trial`, `instruments`: one attempt at an answer, and how the answer uses time and threads in it.
 - `cases`: the data of an exercise: its cases and the known mistakes.
 - `twins`, `slips`: the solution with mistakes in it: known ones, and small slips.
 - `observe`, `diagnose`, `report`: the three steps of a check. `shared_state`: state that the learner's objects share

@@ -1,4 +1,4 @@
-"""Inspect an answer: is it a class or function as needed, has the learner written anything yet, what is in it?"""
+"""Inspect an answer: whether it is the kind of object needed, whether it has any code yet, and what it contains."""
 
 import dis
 import inspect
@@ -40,7 +40,7 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
 
 
 def is_empty(function: Any) -> bool:
-    """Whether a function's body is only a docstring, ``...``, ``pass`` or ``raise NotImplementedError``."""
+    """Return whether a function's body is only a docstring, ``...``, ``pass`` or ``raise NotImplementedError``."""
     code = getattr(function, "__code__", None)
     if code is None or not {*code.co_names} <= {"NotImplementedError"}:
         return False
@@ -49,7 +49,7 @@ def is_empty(function: Any) -> bool:
 
 
 def unwritten(answer: Any, parts: Iterable[str]) -> bool:
-    """Whether an answer has no code yet.
+    """Return whether an answer has no code yet.
 
     Args:
         answer: the class or function.
@@ -70,7 +70,7 @@ def name_of(answer: Any) -> str:
 
 
 def has(answer: type, name: str) -> bool:
-    """Whether a class defines a method, or inherits it from a class other than the common base."""
+    """Return whether a class defines a method, or inherits it from a class other than the common base."""
     return any(name in vars(each) for each in answer.__mro__ if each is not SimpleController)
 
 
@@ -88,7 +88,7 @@ def check_has(answer: type, *methods: str) -> None:
 
 
 def classes_of(answer: Any) -> list[type]:
-    """Return an answer's class and its base classes, without those of Python and the tutorial."""
+    """Return an answer's class and its base classes, except for classes of Python and the tutorial."""
     kind = answer if isinstance(answer, type) else type(answer)
     return [each for each in kind.__mro__ if each.__module__ not in _OURS]
 

@@ -12,7 +12,7 @@ MODELS = HOME / "project" / "models"
 
 
 def bodies(trial: Trial, model: str, name: str) -> tuple[Body, Body]:
-    """Return a displayed and a simulated body. Later trials get the same two, with the simulated one reset.
+    """Return a displayed and a simulated body. Later trials get the same bodies, with the simulated body reset.
 
     Args:
         trial: keeps the bodies for later trials.
@@ -26,13 +26,13 @@ def bodies(trial: Trial, model: str, name: str) -> tuple[Body, Body]:
 
 
 def displayed_body(trial: Trial, model: str, name: str, guard: ThreadGuard) -> Body:
-    """Make a new displayed body with the given guard. The other arguments are those of `bodies`."""
+    """Make a new displayed body with the given guard. See `bodies` for the other arguments."""
     compiled = trial.reuse(_compile, model, name)
     return Body(name, compiled, mujoco.MjData(compiled), guard)
 
 
 def scratch(trial: Trial, model: str, name: str) -> mujoco.MjData:
-    """Return an `MjData` of a body's model for computations. Later trials get the same one."""
+    """Return an `MjData` of a body's model for computations. Later trials get the same object."""
     data: mujoco.MjData = trial.reuse(mujoco.MjData, trial.reuse(_compile, model, name))
     return data
 

@@ -29,9 +29,9 @@ from tutorial.checks.engine.trial import Call, Trial
 from tutorial.checks.engine.verdict import Finding, wrong
 
 LOOK = 0.1  # [s] between two checks by the watchdog
-TIMEOUT = 15  # checks; a call that is still running after this many is stuck
-BUDGET = 25  # checks; the limit for all calls of one method together
-HALT = 5.0  # [s]; if no check runs for this long, the watchdog itself is blocked
+TIMEOUT = 15  # number of checks after which a running call counts as stuck
+BUDGET = 25  # number of checks that all calls of one method may take together
+HALT = 5.0  # [s] without a check after which the watchdog itself counts as blocked
 
 
 def main() -> NoReturn:

@@ -10,9 +10,9 @@ from typing import Any
 from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.trial import Trial
 
-BEGAN = 1024.0  # [s] on the clock; sums of powers of two are exact
-TURN = 2.0**-17  # [s]; each turn of the loop takes this long, so time also passes in a loop around sleep(0)
-TURNS = 20  # turns of the loop after a timer: enough for the calls that it schedules, and for theirs
+BEGAN = 1024.0  # [s] on the clock at its start; sums of powers of two are exact
+TURN = 2.0**-17  # [s] that each turn of the loop takes, so that time also passes in a loop around sleep(0)
+TURNS = 20  # turns of the loop after a timer: enough for the calls that it schedules, and the calls that they schedule
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # asyncio's own text
 AT_ONCE = "You probably call it right away, with parentheses. Pass the function itself, such as self.land."
@@ -78,7 +78,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return [timer for timer in self._timers if not timer.cancelled() and timer.when() > self._now]
 
     def advance(self, seconds: float = 0.0) -> None:
-        """Let time pass [s], and run all calls that are due or posted meanwhile, the earliest first."""
+        """Let time pass [s], and run all calls that become due or are posted in that time, the earliest first."""
 
         async def pass_time() -> None:
             await asyncio.sleep(seconds)

@@ -96,7 +96,7 @@ async def _keep(printed: Any, output: bytearray) -> None:
 
 
 def _findings(told: Sequence[bytes], files: Collection[str], status: int | None) -> tuple[Finding, ...]:
-    """Return the findings. If the process crashed or was killed, the last one says so.
+    """Return the findings. If the process crashed or was killed, the last one reports it.
 
     Args:
         told: the lines that the process reported.
@@ -124,7 +124,7 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
 
 
 def _clinging(answer: Any, error: Exception) -> Finding:
-    """Name the object that cannot leave the notebook's process."""
+    """Return a finding that names the object that cannot be pickled."""
     for name, value in outside(answer):
         try:
             pickled(None if value is answer else value)

@@ -40,7 +40,7 @@ class Diagnosis:
     causes: Mapping[str, Fault | Why]
 
 
-# Mistakes that explain an answer, and the observations set aside, which need causes of their own.
+# Mistakes that explain an answer, and the remaining observations, which need causes of their own.
 _Explanation = tuple[Sequence[Fault], Sequence[Observation]]
 
 
@@ -76,7 +76,7 @@ def _own_cause(odd: Observation, twins: Twins) -> Why:
 
 
 def _explanation(seen: Observations, twins: Twins) -> _Explanation:
-    """Explain all observations, or all except those that share a meaning or raised an exception."""
+    """Explain all observations, or all except the ones that share a meaning or raised an exception."""
     failed = [each for each in seen.all if each.failed]
     misused = [each for each in failed if each.is_misuse]
     alike = _with_the_same_meaning(seen, twins)
@@ -173,5 +173,5 @@ class _Search:
                 yield two
 
     def leads_to_all(self, faults: tuple[Fault, ...]) -> bool:
-        """Whether the solution with these mistakes behaves like the answer in every case."""
+        """Return whether the solution with these mistakes behaves like the answer in every case."""
         return all(same(self._twins.does(each.case, *faults), each.value) for each in self._quickest)

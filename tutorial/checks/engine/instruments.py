@@ -1,4 +1,4 @@
-"""Instruments: they record how the learner's code uses time and threads, and can stop its clocks."""
+"""Instruments, which record how the learner's code uses time and threads, and can stop its clocks."""
 
 import queue
 import sys
@@ -49,7 +49,7 @@ class Instruments:
         self._replaced.close()
 
     def begin(self, answer: Any, watched: Collection[str] | None = None, is_timed: bool = True) -> Trial:
-        """Begin a new current trial. The arguments are those of `Trial`."""
+        """Begin a new current trial. See `Trial` for the arguments."""
         self.trial = Trial(answer, watched, is_timed, self._kept)
         return self.trial
 
@@ -71,7 +71,7 @@ class Instruments:
 
 
 def _caller() -> FrameType:
-    """Return the caller's frame, skipping those of the replaced functions' own libraries."""
+    """Return the caller's frame, skipping the frames of the replaced functions' own libraries."""
     frame = sys._getframe(2)
     while frame.f_code.co_filename in _BETWEEN and frame.f_back is not None:
         frame = frame.f_back

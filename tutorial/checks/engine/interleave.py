@@ -1,4 +1,4 @@
-"""Interleaving: find races between two threads, by running one between any two instructions of the other."""
+"""Interleaving: find races between two threads, by running one thread between any two instructions of the other."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -12,8 +12,8 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.memory_node import MemoryNode
 from tutorial.checks.engine.trial import Trial
 
-TURN = 0.05  # [s]; without a limit, a turn that needs the interrupted function's lock would never end
-MESSAGES = 100  # arrive while a controller is configured, one at each instruction
+TURN = 0.05  # [s] limit for a turn, because a turn that needs the interrupted function's lock would never end
+MESSAGES = 100  # messages that arrive while a controller is configured, one at each instruction
 
 EARLY = "You probably create the subscription before the attributes that its callback uses. Create it last."
 
@@ -21,8 +21,8 @@ EARLY = "You probably create the subscription before the attributes that its cal
 def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:
     """Run a function on this thread, and interrupt the learner's code in it from another thread.
 
-    A scheduler interrupts at random. With this function a check can try every place, so it finds or excludes a race
-    for certain. A turn that waits for a lock of the function ends after the function.
+    A scheduler interrupts at random. With this function, a check can try every place, and so finds every race or rules
+    it out. A turn that waits for a lock of the function ends after the function.
 
     Args:
         trial: the trial whose code is interrupted.
@@ -66,7 +66,7 @@ def interleave(trial: Trial, function: Callable[[], object], between: Callable[[
 def traced(trial: Trial, enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
     """Trace this thread's code, instruction by instruction in frames that request it."""
     before = sys.gettrace()
-    sys._getframe().f_trace_opcodes = True  # Python 3.12 looks for frames that request it only in settrace
+    sys._getframe().f_trace_opcodes = True  # Python 3.12 reads this attribute of frames only in settrace
     trial.is_interleaved = True
     sys.settrace(enter)
     try:

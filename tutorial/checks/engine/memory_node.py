@@ -69,7 +69,7 @@ class MemoryNode:
     Attributes:
         get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
         made: all publishers and subscriptions that were ever made.
-        kept: those that the node still has, including any that were destroyed without notifying the node.
+        kept: the ones that the node still has, including any that were destroyed without notifying the node.
         destroyed: whether the learner has destroyed the node itself.
     """
 
@@ -116,7 +116,7 @@ class MemoryNode:
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
 
     def check_left(self) -> str:
-        """Check that the answer has left nothing behind, and say so.
+        """Check that the answer has left nothing behind, and return "nothing is left".
 
         Raises:
             Failure: something is left, or the node is destroyed.

@@ -38,7 +38,7 @@ class Observation:
 
     @property
     def is_odd(self) -> bool:
-        """Whether the answer's result differs from the solution's."""
+        """Whether the answer's result differs from the solution's result."""
         return not same(self.value, self.expected)
 
     @property
@@ -58,7 +58,7 @@ class Observations:
 
     Attributes:
         all: one observation per case, in the order of the trials. The last one may have ended the check early.
-        changed: the name of a shared object that changed meanwhile, as `SharedState.changed` returns it.
+        changed: the name of a shared object that the trials have changed, as `SharedState.changed` returns it.
     """
 
     all: tuple[Observation, ...]
@@ -109,7 +109,7 @@ def attempt(run: Run, trial: Trial) -> Any:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two observations are equal, apart from rounding errors and the lines of failures."""
+    """Return whether two observations are equal, apart from rounding errors and the lines of failures."""
     match a, b:
         case Failure(), Failure():
             return bool(a.kind == b.kind)

@@ -48,7 +48,7 @@ class Publishing:
     namespaces: bool = True
 
     def cases(self, solution: type, own: Sequence[Case], mistakes: Sequence[Mistake], meaning: str) -> Cases:
-        """Combine the cases and mistakes of an exercise with those of all exercises about publishers.
+        """Combine an exercise's own cases and mistakes with the ones that all exercises about publishers share.
 
         Args:
             solution: the right answer.
@@ -102,12 +102,12 @@ class Publishing:
     @property
     def _stamp(self) -> str:
         return (
-            "You probably leave out the stamp, count it, or take it from a different clock, or sec and nanosec don't "
-            f"match: nanosec restarts at 0 in every second. Set both: Time(nanoseconds={self.time}).to_msg()."
+            "The stamp is probably missing, counted, or from a different clock, or sec and nanosec don't belong "
+            f"together: nanosec restarts at 0 in every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:
-        """Return the messages that were sent on the topic; if there are none, those on other topics."""
+        """Return the messages that were sent on the topic; if there are none, the messages on other topics."""
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
@@ -166,7 +166,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Whether messages were sent from the beginning, at the rate to within rounding to whole steps."""
+        """Return whether messages were sent from the beginning, at the rate to within rounding to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
@@ -223,7 +223,7 @@ def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any],
     """Put the first wrong value into words, and return it together with all values.
 
     Args:
-        pairs: the sent values, each with the expected one.
+        pairs: the sent values, each with the expected value.
         right: the result if no value is wrong.
         word: puts a value into words.
     """

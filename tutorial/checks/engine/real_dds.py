@@ -1,4 +1,4 @@
-"""Real DDS: a right answer is finally tried on rclpy's own node."""
+"""Real DDS: the last check, which tries a right answer on rclpy's own node."""
 
 import time
 from collections.abc import Callable, Iterator

@@ -13,7 +13,7 @@ from tutorial.checks.engine.verdict import Finding, Place, right, wrong
 
 
 def report(cases: Cases, answer: Any, seen: Observations, diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Yield a finding for each case, except for odd ones that are consequences of others.
+    """Yield a finding for each case, except for odd cases that are consequences of other cases.
 
     Args:
         cases: the cases of the exercise.
@@ -53,7 +53,7 @@ def finding_of(failure: Failure, answer: Any, cause: str | None = None, label: s
 
 
 def _cause(cases: Cases, answer: Any, seen: Observations, odd: Observation, why: Fault | Why) -> str:
-    """Return the sentence for a cause. Shared state takes precedence; over a known mistake, only state on a class."""
+    """Return the sentence for a cause. Shared state takes precedence, but over a mistake only if it is on a class."""
     if isinstance(why, Fault):
         is_shared, sentence = "." in seen.changed, f"Most likely {why.cause}"
     else:

@@ -50,7 +50,7 @@ class Rig:
         name: the body's name.
         time_step: the duration of a simulation step [s].
         namespace: the node's namespace.
-        node: a real node; None for one in memory.
+        node: a real node; None for a `MemoryNode`.
 
     Attributes:
         trial: the trial that the rig belongs to.
@@ -126,7 +126,7 @@ class Rig:
             time.sleep(QUIET)
 
     def leave(self) -> str:
-        """Call `unconfigure`, check that the controller has left nothing behind, and say so."""
+        """Call `unconfigure`, check that the controller has left nothing behind, and return "nothing is left"."""
         self.do("unconfigure")
         return str(self.node.check_left())
 

@@ -96,7 +96,7 @@ class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
 
 
 def pickled(value: Any) -> bytes:
-    """Pickle a value with everything that it refers to. Locks are unpickled as new, free ones."""
+    """Pickle a value with everything that it refers to. A lock is unpickled as a new lock, which is not held."""
     with io.BytesIO() as file:
         _Pickler(file).dump(value)
         return file.getvalue()

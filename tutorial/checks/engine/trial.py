@@ -34,9 +34,9 @@ class Trial:
 
     Args:
         answer: the learner's class or function, or the solution, with or without mistakes in it.
-        watched: the files whose code is observed; by default those that contain the answer.
+        watched: the files whose code is observed; by default the files that contain the answer.
         is_timed: whether the total time of a method's calls is limited, too.
-        kept: objects of earlier trials that later ones can reuse.
+        kept: objects of earlier trials that later trials can reuse.
 
     Attributes:
         running: by thread, the calls that have not returned, the innermost last.
@@ -62,7 +62,7 @@ class Trial:
         self._kept = {} if kept is None else kept
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call one of the learner's functions and return its result. Any thread.
+        """Call one of the learner's functions and return its result. Thread-safe.
 
         Raises:
             Failure: the function raised an exception, or slept, which no method may do.
@@ -98,7 +98,7 @@ class Trial:
 
     @contextmanager
     def calling(self, method: str) -> Iterator[None]:
-        """Run the learner's code as a call of the given method. Any thread.
+        """Run the learner's code as a call of the given method. Thread-safe.
 
         Raises:
             Failure: the code raised an exception, or slept, which no method may do.
@@ -117,7 +117,7 @@ class Trial:
             calls.pop()
 
     def innermost(self) -> dict[int, Call]:
-        """Return the innermost running call of each thread. Any thread."""
+        """Return the innermost running call of each thread. Thread-safe."""
         return {ident: call for ident, calls in [*self.running.items()] for call in calls[-1:]}
 
     def failure(self, method: str, error: BaseException) -> Failure:

@@ -27,7 +27,7 @@ class Twins:
 
     Args:
         cases: the cases, the solution and the known mistakes.
-        begin: begins a trial; its arguments are those of `Trial`.
+        begin: begins a trial; see `Trial` for its arguments.
         seen: a cache of twins, and of observations of the twins and the solution.
     """
 
@@ -52,11 +52,11 @@ class Twins:
         return self._seen[case.label, faults]
 
     def shows(self, case: Case, fault: Fault) -> bool:
-        """Whether a mistake by itself makes a case's observation wrong."""
+        """Return whether a mistake by itself makes a case's observation wrong."""
         return not same(self.does(case, fault), self.expected(case))
 
     def attempt(self, case: Case, twin: Any) -> Any:
-        """Return a case's observation of a twin. The twin's output is discarded, because it is not the learner's.
+        """Return a case's observation of a twin. The twin's output is discarded: the learner's code did not print it.
 
         Twins are not watched: interrupting all of them at every instruction would take too long.
         """
@@ -69,7 +69,7 @@ class Twins:
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:
-        """Return the solution with mistakes in it; None if one mistake removes the text that another one changes."""
+        """Return the solution with mistakes in it; None if one mistake removes the text that a second one changes."""
         if faults not in self._seen:
             self._seen[faults] = self._define(*faults)
         return self._seen[faults]
@@ -90,5 +90,5 @@ class Twins:
 
     @cached_property
     def source(self) -> str:
-        """The source that mistakes change: that of the functions in `Cases.beside`, then the solution's."""
+        """The source that mistakes change: the functions in `Cases.beside`, then the solution."""
         return "\n\n".join(map(inspect.getsource, (*self.cases.beside, self.cases.solution)))

@@ -54,7 +54,7 @@ class Viewer:
         trial: the trial that the viewer belongs to.
         model: the body's model file without ``.xml``.
         name: the body's name.
-        node: a real node; None for one in memory.
+        node: a real node; None for a `MemoryNode`.
 
     Attributes:
         trial: the trial that the viewer belongs to.
@@ -134,7 +134,7 @@ class Viewer:
         return "a timer is still running" if self.loop.timers else self.where()
 
     def left(self) -> str:
-        """Check that the controller has left nothing behind on the node, and say so."""
+        """Check that the controller has left nothing behind on the node, and return "nothing is left"."""
         return str(self.node.check_left())
 
     def where(self) -> str:
@@ -152,7 +152,7 @@ class Viewer:
         self.loop.close()
 
     def _links_follow(self) -> bool:
-        """Whether the links' poses match the joints' positions."""
+        """Return whether the links' poses match the joints' positions."""
         self._fresh.qpos[:] = self.body.data.qpos
         mujoco.mj_kinematics(self.body.model, self._fresh)
         return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))

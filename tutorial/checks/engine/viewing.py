@@ -43,7 +43,7 @@ def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
 
 
 def heard(*messages: Any) -> Step:
-    """Make a step: messages arrive one after the other, and each one's posted calls run."""
+    """Make a step in which messages arrive one after the other, and each one's posted calls run."""
 
     def step(viewer: Viewer) -> None:
         for message in messages:
@@ -54,7 +54,7 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(*messages: Any) -> Step:
-    """Make a step: observe for how many messages the callback posts a call, without its own timer or thread."""
+    """Make a step that observes for how many messages the callback posts a call, without its own timer or thread."""
 
     def step(viewer: Viewer) -> str:
         before, noted = viewer.loop.posted, viewer.trial.noted
@@ -70,7 +70,7 @@ def hands_over(*messages: Any) -> Step:
 
 
 def side_by_side(*done: Step) -> Step:
-    """Make a step: a tank and the crane Lift take turns with these steps."""
+    """Make a step in which a tank and the crane Lift take turns with these steps."""
 
     def step(tank: Viewer) -> str:
         with closing(tank.another("crane", "Lift")) as lift:
@@ -90,7 +90,7 @@ def viewing(
     may_ask_clock: bool = False,
     viewer: type[Viewer] = Viewer,
 ) -> Cases:
-    """Combine the cases of an exercise about a viewer with those that all such exercises share.
+    """Combine the cases of an exercise about a viewer with the cases that all such exercises share.
 
     Args:
         solution: the right answer.
