@@ -26,7 +26,7 @@ class LogLines(logging.Handler):
         self.lines: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a log record as a line. Any thread."""
+        """Keep a log record as a line. Thread-safe."""
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
@@ -71,7 +71,7 @@ def close_all() -> None:
 
 
 async def until(condition: Callable[[], object], what: str = "", timeout: float = TIMEOUT) -> None:
-    """Wait until a condition holds. Meanwhile the kernel stays responsive.
+    """Wait until a condition holds. The kernel stays responsive.
 
     Args:
         condition: called repeatedly until it returns a true value.
@@ -89,7 +89,7 @@ async def until(condition: Callable[[], object], what: str = "", timeout: float 
 
 
 def _in_vain(began: float, timeout: float, what: str) -> str:
-    """Describe the timeout, with the newest error logged during the wait: it may be the cause."""
+    """Describe the timeout, with the newest error logged during the wait, which may be its cause."""
     said = f"timed out after {timeout:g} s{f' waiting for {what}' if what else ''}."
     errors = [line for time, line in logged.lines.copy() if time >= began and line.startswith("[ERROR]")]
     hint = f"Meanwhile: {errors[-1]}" if errors else "Run the cells above, in order, then this one."

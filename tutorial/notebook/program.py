@@ -27,9 +27,9 @@ from tutorial.view.scene import Scene
 T = TypeVar("T")
 
 LONG_REST = 0.05  # [s] between two batches of steps while the page is gone, to save processor time
-REST_AFTER = 300.0  # [s] without a page; then a running simulation is paused
+REST_AFTER = 300.0  # [s] without a page before a running simulation is paused
 RESTS = "paused at %.1f s, after %d min without a page: start() resumes it"
-LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, such as those while the user thinks
+LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this, for instance while the user thinks
 
 
 class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an error
@@ -90,7 +90,7 @@ class Program:
 
     @property
     def error(self) -> BaseException | None:
-        """The last exception of a callback or the simulation since the last start; None without one."""
+        """The last exception of a callback or the simulation since the last start; None if there was none."""
         return self.host.error
 
     def body(self, name: str = "Tank") -> Body:
@@ -227,7 +227,7 @@ class Program:
         self._open = False
         self._next.cancel()
         self.host.close()
-        self._scene.catch_up()  # the last picture, even for a page opened later
+        self._scene.catch_up()  # so that pages opened later show the last picture, too
         self._scene.catch_up = lambda: None
         self.view.end()
 
@@ -239,7 +239,7 @@ class Program:
         """Refresh the view outside `run`, and schedule the next refresh.
 
         While the page is gone, refresh and simulate at longer intervals, and after `REST_AFTER` stop the simulation. If
-        no page has been opened yet, the simulation goes on.
+        no page has been opened yet, the simulation continues.
         """
         is_gone = CellWidget.page_is_gone()
         self._next = asyncio.get_running_loop().call_later(1.0 if is_gone else FRAME, self._draw)

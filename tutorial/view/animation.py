@@ -64,7 +64,7 @@ class Animation:
                 self._see(path, True)
                 self._scene.send_message(command)
             case "set_property" if command["property"] == "color" and path.startswith("/Bodies/"):
-                pass  # a joint that is stale at the end was not always stale; the line below the view shows when
+                pass  # a joint that is stale at the end was not always stale; the line below the view shows when it was
             case _:
                 self._scene.send_message(command)
 

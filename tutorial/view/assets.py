@@ -1,4 +1,4 @@
-"""The static files of the 3D view and the widgets: the tutorial's, and meshcat's viewer."""
+"""The static files of the 3D view and the widgets: the tutorial's own files, and meshcat's viewer."""
 
 import gzip
 from functools import cache
@@ -6,7 +6,7 @@ from importlib.metadata import distribution
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
-"""The folder of the tutorial's files."""
+"""The folder of the tutorial's own files."""
 
 VIEW = ("make.js", "camera.js", "scene.js", "viewer.js")
 """The parts of the script that every view has: in a cell, on a page, in a replay and on the book's page `drive`."""
@@ -19,7 +19,7 @@ def meshcats_viewer() -> Path:
 
 @cache
 def zipped_viewer() -> bytes:
-    """Return the script of meshcat's viewer, which gzip compresses to a quarter."""
+    """Return the script of meshcat's viewer, compressed with gzip to a quarter of its size."""
     return gzip.compress((meshcats_viewer() / "main.min.js").read_bytes(), 6, mtime=0)
 
 

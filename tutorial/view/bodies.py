@@ -29,7 +29,7 @@ GRID = 10.0
 """Half the side of meshcat's grid [m]."""
 
 AXES = 0.3
-"""The length of a frame's axes, as a fraction of the robot's extent, and that of `odom`'s axes [m]."""
+"""The length of a frame's axes, as a fraction of the robot's extent, and the length of `odom`'s axes [m]."""
 
 FLOOR = int(mujoco.mjtGeom.mjGEOM_PLANE)
 
@@ -83,7 +83,7 @@ class View:
             model: the model. Its geoms in groups 0 to 2 are drawn.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         root = f"{ROOT}/{name}"
         frames = list(frames_of(name, model))
@@ -107,7 +107,7 @@ class View:
                 ``mj_kinematics``).
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         body = self._bodies[name]
         for path, matrix in body.poses.moved(data):
@@ -130,10 +130,10 @@ class View:
 
         Args:
             name: as given to `add`.
-            joints: the stale joints: those without a recent message. In the model they are called ``name/joint``.
+            joints: the stale joints, which have had no recent message. In the model they are called ``name/joint``.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         for path, colour in self._bodies[name].paint.stale(joints):
             self._set(path, "color", colour)
@@ -142,7 +142,7 @@ class View:
         """Remove a body from the view.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self.scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
         self._frames = {frame: path for frame, path in self._frames.items() if not path.startswith(f"{ROOT}/{name}/")}
@@ -153,7 +153,7 @@ class View:
         """Place the camera so that these bodies fill the picture, and scale the grid to their size.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         sizes = [self._bodies[name].model.stat for name in names]
         low = np.min([size.center - size.extent / 2 for size in sizes], axis=0)
@@ -171,7 +171,7 @@ class View:
 
         Raises:
             TutorialError: there is no such frame.
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         for name in names:
             if name not in self._frames:
@@ -184,14 +184,14 @@ class View:
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """The frames that have axes: `odom`, and those of the robots that are drawn."""
+        """The frames that have axes: `odom`, and the frames of the drawn robots."""
         return tuple(self._frames)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
-        """Write one line below the view, and the rows of `readings` as a table below that: see `Scene.line`.
+        """Write one line below the view, and the rows of `readings` as a table below it: see `Scene.line`.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         rows = list(readings)
         self.scene.line(text, [HEAD, *rows] if rows else ())
@@ -200,7 +200,7 @@ class View:
         """Send all changes as one message, if anything has changed.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         for body in self._bodies.values():
             for arrow in body.arrows if body.measures else ():
@@ -216,7 +216,7 @@ class View:
     def _draw(self, root: str, model: mujoco.MjModel, more: Collection[int]) -> tuple[dict[int, str], dict[int, str]]:
         """Draw the geoms, each below its MuJoCo body's path; return the paths of the bodies and of the geoms.
 
-        The paths of the bodies in `more` are included even if those have no geoms.
+        The paths of the bodies in `more` are included even if they have no geoms.
         """
         bodies = {body: f"{root}/{_label(model.body(body))}" for body in sorted(more)}
         geoms: dict[int, str] = {}

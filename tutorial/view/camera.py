@@ -17,7 +17,7 @@ from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, advice
 
 TIMEOUT = 30.0  # [s] the longest wait for a picture in lockstep; the first picture also starts OpenGL
-UNSET = (1, 1)  # [px] MuJoCo's resolution of a camera that sets none
+UNSET = (1, 1)  # [px] MuJoCo's resolution for a camera that sets none
 NO_PICTURES = "cameras take no pictures, but everything else works: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
 
@@ -35,7 +35,7 @@ class Camera:
     width: int
     height: int
     body: Body = field(repr=False)
-    number: int = field(repr=False)  # MuJoCo's id, in the whole model
+    number: int = field(repr=False)  # MuJoCo's id of the camera in the whole model
     renderer: CameraRenderer = field(repr=False)
 
     def capture(self, deliver: Callable[..., object], *args: object) -> None:
@@ -54,7 +54,7 @@ class Camera:
         self.renderer.request(self, deliver, args)
 
     def close(self) -> None:
-        """Stop delivering pictures, after waiting for a delivery in progress. Idempotent. Any thread."""
+        """Stop delivering pictures, after waiting for a delivery in progress. Idempotent. Thread-safe."""
         self.renderer.forget(self)
 
 
@@ -78,7 +78,7 @@ class CameraRenderer:
     fails, one log line reports it, and no pictures are delivered.
 
     Attributes:
-        error: the last exception that a receiver of pictures raised; None without one.
+        error: the last exception that a receiver of pictures raised; None if there was none.
     """
 
     def __init__(self) -> None:
@@ -94,7 +94,7 @@ class CameraRenderer:
         """Find a camera of a simulated body by name.
 
         Raises:
-            TutorialError: the body has no such camera; the text suggests the nearest name.
+            TutorialError: the body has no such camera; the error suggests the nearest name.
         """
         number = body.find_id("camera", body.model.camera, body.model.ncam, name)
         width, height = body.model.cam_resolution[number].tolist()
@@ -169,11 +169,11 @@ class CameraRenderer:
         """Deliver a picture. In lockstep the caller raises the receiver's error; otherwise the first one is logged."""
         try:
             request.deliver(pixels, *request.args)
-        except BaseException as error:  # noqa: BLE001 - the other cameras go on
+        except BaseException as error:  # noqa: BLE001 - the other cameras continue
             request.error = error
             if not request.is_awaited:
                 if self.error is None:
-                    _log.error("a receiver of pictures failed; the others go on", exc_info=error)
+                    _log.error("a receiver of pictures failed; others continue", exc_info=error)
                 self.error = error
         request.done.set()
 

@@ -42,7 +42,7 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
     """Yield the frames of a robot; nothing for a model without joints, such as a room.
 
     Args:
-        name: the robot's name, with which the names in the model begin.
+        name: the robot's name, which is the prefix of the names in the model.
         model: the robot's model.
     """
     if not model.njnt:
@@ -60,5 +60,5 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
 
 
 def _full(robot: str, name: str) -> str:
-    """Return a frame's name with the robot's name before it, which is missing in a model that was not composed."""
+    """Return a frame's name after the robot's name, which this adds in a model that was not composed."""
     return name if name.startswith(f"{robot}/") else f"{robot}/{name}"

@@ -1,6 +1,7 @@
 """Records what a scene shows during a run, as a page that replays it in any browser without other files.
 
-During the run, the scene's messages become an animation (`tutorial.view.animation`). Afterwards that becomes a page.
+During the run, the scene's messages become an animation (`tutorial.view.animation`). Afterwards, the animation becomes
+a page.
 """
 
 import base64
@@ -95,7 +96,7 @@ class ReplayRecorder:
         scene: the scene to record, from now on.
         seconds: returns the elapsed time of the run [s].
         joints: returns the joints' positions [rad], or [m], by "body joint".
-        longest_pause: longer pauses without movement are cut to this [s].
+        longest_pause: longer pauses without movement are cut to this length [s].
     """
 
     def __init__(
@@ -156,7 +157,7 @@ def recorded(
         title: the title of the page.
         seconds: returns the time that the scene shows [s].
         joints: returns the joints' positions [rad], or [m], by "body joint".
-        longest_pause: longer pauses without movement are cut to this [s].
+        longest_pause: longer pauses without movement are cut to this length [s].
 
     Raises:
         TutorialError: the file cannot be written; this is checked before the run.

@@ -82,8 +82,8 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 class Scene:
     """Keeps everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
 
-    Use it on the thread that made it. Its size does not grow with time: of each object, transform and property it keeps
-    only the latest, in the order of the last change, because nothing else affects the picture. A viewer's
+    Use it on the thread that made it. Its size does not grow with time: it keeps only the latest value of each object,
+    transform and property, in the order of the last change, because nothing else affects the picture. A viewer's
     built-in objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
@@ -109,7 +109,7 @@ class Scene:
             message: a command such as ``{"type": "delete", "path": "/Bodies/Tank"}``.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.send_message")
         kind, path = message["type"], message["path"]
@@ -130,7 +130,7 @@ class Scene:
             table: rows of cells. The first row and the first column are headings.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.line")
         lines = [_cut(text), *("\t".join(map(_cut, row)) for row in table)]
@@ -144,7 +144,7 @@ class Scene:
             target: the point in the middle of the picture [m], about which the mouse turns the view.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.look_at")
         self._put(CAMERA, pack_record(Record.CAMERA, _CAMERA.pack(*position, *target)))
@@ -155,7 +155,7 @@ class Scene:
         If a sink raises an exception, log it and detach the sink; the other sinks still receive the message.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.flush")
         if not self._frame:
@@ -173,7 +173,7 @@ class Scene:
         """Return the whole scene as one message, which replaces all messages so far.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.snapshot")
         if not self.watched:
@@ -184,7 +184,7 @@ class Scene:
         """Pass every later message to `sink`, which needs a `snapshot` first. Idempotent.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.attach")
         if sink not in self._sinks:
@@ -194,7 +194,7 @@ class Scene:
         """Stop passing messages to `sink`, if it is attached.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self._guard.check("Scene.detach")
         if sink in self._sinks:

@@ -1,6 +1,6 @@
 """MuJoCo's geoms as objects for meshcat's viewer, in three.js's JSON format.
 
-This module does not use ``meshcat.geometry``, because that has no capsules, planes or lights, and imports ZMQ, IPython
+This module does not use ``meshcat.geometry``, because it has no capsules, planes or lights, and imports ZMQ, IPython
 and Pillow (0.3 s and a deprecation warning).
 """
 
@@ -192,7 +192,7 @@ def _lathe(outline: Array) -> Json:
 def _mesh(model: mujoco.MjModel, geom: int) -> Json:
     """Return a mesh with MuJoCo's own normals, which keep sharp edges sharp.
 
-    The geom's pose already includes the mesh's.
+    The geom's pose already includes the mesh's pose.
     """
     mesh = model.geom_dataid[geom]
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])

@@ -51,7 +51,7 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
     Args:
         scene: the scene to show.
-        port: the port; 0 for any free one, None for the first free one from 7000.
+        port: the port; 0 for any free port, None for the first free port from 7000.
         title: the title of the page.
 
     Attributes:

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 def kernel_loop() -> asyncio.AbstractEventLoop:
-    """Return the event loop of the notebook's kernel, which updates the widgets. Main thread.
+    """Return the event loop of the notebook's kernel, which updates the widgets. Main thread only.
 
     Raises:
         TutorialError: no event loop runs.
@@ -30,7 +30,7 @@ def kernel_loop() -> asyncio.AbstractEventLoop:
 
 
 def parse_message(content: object, kind: type[T]) -> T | None:
-    """Parse a message from a page; return None if it is invalid. Any thread.
+    """Parse a message from a page; return None if it is invalid. Thread-safe.
 
     Args:
         content: the message as received.
@@ -58,15 +58,15 @@ class CellWidget(anywidget.AnyWidget):
 
     @staticmethod
     def page_is_gone() -> bool:
-        """Return whether no page has sent anything for over a minute, as even a hidden page does. Any thread."""
+        """Return whether no page, not even a hidden one, has sent anything for over a minute. Thread-safe."""
         return time.monotonic() - CellWidget.heard_at > 70.0
 
     def end(self) -> None:
-        """Stop updating the widget; its last content stays on the page. Idempotent, main thread."""
+        """Stop updating the widget; its last content stays on the page. Idempotent; main thread only."""
         self.ended = True
 
     def close(self) -> None:
-        """End the widget, and remove it from every page. Idempotent, main thread."""
+        """End the widget, and remove it from every page. Idempotent; main thread only."""
         if self.comm is None:  # already closed, or its creation failed: Python closes such an object, too
             return
         self.end()
@@ -75,7 +75,7 @@ class CellWidget(anywidget.AnyWidget):
         layout.close()
 
     def say(self, kind: str, buffers: list[bytes] | None = None, **fields: Any) -> None:
-        """Send a message to every page that shows the widget. Main thread.
+        """Send a message to every page that shows the widget. Main thread only.
 
         Args:
             kind: the message's ``type``.
@@ -106,7 +106,7 @@ class NodeWidget(CellWidget):
             raise
 
     def end(self) -> None:
-        """Destroy the node; the widget's last content stays. Idempotent, main thread."""
+        """Destroy the node; the widget's last content stays. Idempotent; main thread only."""
         if self._ros is not None:
             self._ros.close()
         super().end()

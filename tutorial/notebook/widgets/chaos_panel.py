@@ -51,7 +51,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         return dict(self._stream.chaos.made)
 
     def end(self) -> None:
-        """Stop publishing, destroy the node, and disable the sliders. Idempotent, main thread."""
+        """Stop publishing, destroy the node, and disable the sliders. Idempotent; main thread only."""
         if self.ended:
             return
         self.ended = True
@@ -62,7 +62,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         self._hits.value = f"ended. {_words(self.made)}"
 
     def _on_share(self, _change: object) -> None:
-        """Set the shares for the node's thread, which reads them with the next message. Any thread."""
+        """Set the shares for the node's thread, which reads them with the next message. Thread-safe."""
         self._stream.chaos.faults = {name: slider.value for name, slider in self.sliders.items() if slider.value}
 
     def _on_reset(self, _button: object) -> None:
@@ -70,7 +70,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             slider.value = 0.0
 
     def _tell(self) -> None:
-        """Update the counts, and schedule the next update. Main thread."""
+        """Update the counts, and schedule the next update. Main thread only."""
         self._hits.value = _words(self.made)
         self._next = self._loop.call_later(LOOK, self._tell)
 

@@ -58,11 +58,11 @@ class FrameWidget(CellWidget):
         return f"{type(self).__name__}({self.title!r})"
 
     def whole(self) -> Frame:
-        """Return the whole content. Main thread."""
+        """Return the whole content. Main thread only."""
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> bool:
-        """Send a frame if any view keeps up, and return whether one does. Main thread.
+        """Send a frame if any view keeps up, and return whether one does. Main thread only.
 
         Args:
             content: the binary content.
@@ -77,7 +77,7 @@ class FrameWidget(CellWidget):
         return True
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
-        """Handle a page's message. It arrives on any thread, so work for the main thread is posted."""
+        """Handle a page's message. It can arrive on any thread, so this posts work for the main thread."""
         CellWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):
@@ -96,7 +96,7 @@ class FrameWidget(CellWidget):
             return view in self._seen
 
     def _welcome(self, view: str) -> None:
-        """Send one view the whole content, and every frame from now on. Main thread."""
+        """Send one view the whole content, and every frame from now on. Main thread only."""
         content, fields = self.whole()
         with self._lock:
             self._seen[view] = self.frame - 1

@@ -14,7 +14,7 @@ MARGIN = 8.0  # [px]
 HEIGHT = 42.0  # [px] height of nodes and topics
 LONGEST_NAME = 30  # characters
 CHARACTER = 7.3  # [px] approximate width in the code font
-TWIN = 8.0  # [px] below the middle, where arrows to the left begin and end
+TWIN = 8.0  # [px]; arrows to the left begin and end this far below the middle
 HEAD = 8.0  # [px] size of an arrowhead
 
 
@@ -40,7 +40,7 @@ def picture(topology: Topology) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class _Shape:
-    """An ellipse with a node's name, or a box with a topic's, and a small hint below the name.
+    """An ellipse with a node's name, or a box with a topic's name, and a small hint below the name.
 
     Nodes with the same name share an ellipse, with a hint that says so.
     """

@@ -72,9 +72,9 @@ class GraphWatch:
         self._known: set[str] = set()
 
     def look(self) -> Topology:
-        """Query the graph, which takes some milliseconds, or longer for a large graph. The executor's thread.
+        """Query the graph, which takes some milliseconds, or longer for a large graph. Runs on the executor's thread.
 
-        If there are too many topics, those of the last look take precedence.
+        If there are too many topics, the topics of the last look take precedence.
         """
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
         chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST])
@@ -89,7 +89,7 @@ class GraphWatch:
         return Topology(nodes, topics, more + len(found) - len(chosen))
 
     def _nodes(self, on_topics: set[str]) -> tuple[dict[str, int], int]:
-        """Count the nodes by name, preferring those on topics; return the counts, and the number of names left out.
+        """Count the nodes by name, preferring nodes on topics; return the counts, and the number of names left out.
 
         A node that publishes or subscribes counts as one even before discovery has found its name.
         """

@@ -66,11 +66,11 @@ class ImageView(FrameWidget, NodeWidget):
         self._subscription = node.create_subscription(Image, self._topic, self._on_image, qos)
 
     def _on_image(self, message: Image) -> None:
-        """Post an image to the main thread. The executor's thread."""
+        """Post an image to the main thread. Runs on the executor's thread."""
         self.calls.call_latest("image", self._show, _frame(message))
 
     def _show(self, frame: Frame) -> None:
-        """Keep the newest image, and send it to the views that have drawn the last one. Main thread."""
+        """Keep the newest image, and send it to the views that have drawn the last one. Main thread only."""
         self.newest = frame
         content, fields = frame
         self.send_frame(content, **fields)

@@ -56,18 +56,18 @@ class JointPlot(LivePicture):
         self.open_node("joint_plot", lambda node: node.create_subscription(JointState, topic, self._on_message, qos))
 
     def _on_message(self, message: JointState) -> None:
-        """Store the positions, post a redraw, and return. The executor's thread."""
+        """Store the positions, post a redraw, and return. Runs on the executor's thread."""
         _add(self._samples, message)
         self.calls.call_latest("news", self._draw_soon)
 
     def _draw_soon(self) -> None:
-        """Schedule a drawing, unless one is scheduled already. Main thread."""
+        """Schedule a drawing, unless one is scheduled already. Main thread only."""
         if not self._is_due:
             self._is_due = True
             asyncio.get_running_loop().call_at(self._draw_from, self._draw)
 
     def _draw(self) -> None:
-        """Draw the newest samples. Main thread."""
+        """Draw the newest samples. Main thread only."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         self._is_due = False

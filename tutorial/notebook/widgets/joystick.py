@@ -50,7 +50,7 @@ class Joystick(NodeWidget):
         return self._now().axes
 
     def end(self) -> None:
-        """Release the sticks, publish that, and destroy the node. Idempotent, main thread."""
+        """Release the sticks, publish that, and destroy the node. Idempotent; main thread only."""
         if not self.ended:
             self.ended = True
             self._publish()
@@ -62,7 +62,7 @@ class Joystick(NodeWidget):
         self._timer = node.create_timer(1 / RATE, self._tick)
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
-        """Store a page's message for the node's thread. Any thread."""
+        """Store a page's message for the node's thread. Thread-safe."""
         if said := parse_message(content, _Sticks):
             self._held.put((said, self._clock()))
             CellWidget.heard_at = time.monotonic()
@@ -80,7 +80,7 @@ class Joystick(NodeWidget):
             self._publish()
 
     def _publish(self) -> None:
-        """Publish the current sticks: on the node's thread, and a last time on the main thread."""
+        """Publish the state of the sticks. Runs on the node's thread, and for the last time on the main thread."""
         with self._publishing:  # the last message has to be the neutral one
             held = self._now()
             self._publisher.publish(joy_message(self._node, held.axes, held.buttons))

@@ -39,7 +39,7 @@ class NodeGraph(LivePicture):
         node.create_timer(LOOK_EVERY, self._look)
 
     def _look(self) -> None:
-        """Query the graph if a look is due, draw it, and post the picture. The executor's thread."""
+        """Query the graph if a look is due, draw it, and post the picture. Runs on the executor's thread."""
         began = time.monotonic()
         if began < self._next_look:
             return

@@ -13,7 +13,7 @@ class Picture(CellWidget):
     Only shapes and text get into the page: scripts, links and everything else are removed.
 
     Args:
-        svg: the picture; empty for none yet.
+        svg: the picture; empty if there is none yet.
         alt: a description of the picture for screen readers.
         name: the picture's subject, for the ``repr``.
 
@@ -35,7 +35,7 @@ class Picture(CellWidget):
         return f"{type(self).__name__}({self._name!r})"
 
     def show(self, svg: str, alt: str) -> None:
-        """Replace the picture and its description. Main thread."""
+        """Replace the picture and its description. Main thread only."""
         with self.hold_sync():  # one message for both
             self.svg, self.alt = svg, alt
 

@@ -20,7 +20,7 @@ class SceneView(FrameWidget):
 
     Raises:
         TutorialError: no event loop runs.
-        WrongThreadError: the current thread is not the scene's.
+        WrongThreadError: this is not the scene's thread.
     """
 
     AHEAD = 60  # two seconds of a program's frames
@@ -45,15 +45,15 @@ class SceneView(FrameWidget):
             self.scene.detach(self._show)
 
     def end(self) -> None:
-        """Stop following the scene. Pages, including those opened later, show its last picture. Idempotent.
+        """Stop following the scene. All pages, even if they are opened later, show its last picture. Idempotent.
 
         Raises:
-            WrongThreadError: the current thread is not the scene's.
+            WrongThreadError: this is not the scene's thread.
         """
         self.scene.detach(self._show)
         super().end()
 
     def _on_request(self, _widget: object, content: object, _buffers: object) -> None:
-        """Send the script of meshcat's viewer to a page that lacks it. Any thread."""
+        """Send the script of meshcat's viewer to a page that lacks it. Thread-safe."""
         if content == {"type": "library"}:
             self.calls.call_latest("library", lambda: self.say("library", [zipped_viewer()]))

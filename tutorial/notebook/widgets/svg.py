@@ -23,8 +23,7 @@ def new_picture(width: float, height: float, widest: float = 0.0) -> Element:
     """Make an empty picture that is at most as wide as its cell.
 
     Args:
-        width: [px].
-        height: [px].
+        width, height: the picture's size [px].
         widest: the picture grows with its cell up to this width [px]; 0 for one that doesn't grow.
     """
     root = Element("svg", xmlns="http://www.w3.org/2000/svg", viewBox=f"0 0 {_number(width)} {_number(height)}")
@@ -38,8 +37,7 @@ def notice(width: float, height: float, text: str, widest: float = 0.0) -> str:
     """Return a picture that contains only a centred line of text.
 
     Args:
-        width: [px].
-        height: [px].
+        width, height: the picture's size [px].
         text: the text, of any characters.
         widest: see `new_picture`.
     """

@@ -1,9 +1,9 @@
-// The camera of a view, the same wherever a scene is shown: what drags, the wheel and keys do to it, and its limits.
+// The camera of a view: how drags, the wheel and keys move it, and its limits. All views of a scene share this file.
 // A robot is a body with a frame `base_link`: see tutorial/view/frames.py.
 
 const LOWEST = 0.05;  // height of the camera above the floor [m]
-const NARROW = 0.9;  // pictures with a smaller ratio of width to height show as much from the left to the right as this one
-const NEAREST = 1 / 12, FARTHEST = 4;  // the distances that zooming allows, as multiples of the program's own
+const NARROW = 0.9;  // pictures with a smaller ratio of width to height show the same horizontal range as at this ratio
+const NEAREST = 1 / 12, FARTHEST = 4;  // the distances that zooming allows, as multiples of the program's distance
 
 /** The paths of all frames' axes in a scene, each as a list of names. */
 function axesIn({scene_tree}) {
@@ -26,13 +26,13 @@ class Camera {
     return this.controls.object.position.distanceTo(this.controls.target);
   }
 
-  /** Move the camera and what it looks at. */
+  /** Move the camera and its target. */
   shift(by) {
     this.controls.target.add(by);
     this.controls.object.position.add(by);
   }
 
-  /** Apply what the mouse did, follow the robot, and keep the limits. meshcat calls this for each picture, too. */
+  /** Apply the mouse's input, follow the robot, and enforce the limits. meshcat calls this for each picture, too. */
   update(apply) {
     const {controls} = this, {target, position0, target0} = controls;
     const home = position0.distanceTo(target0) || 1, before = this.distance;
@@ -47,7 +47,7 @@ class Camera {
     return apply() || isChanged;
   }
 
-  /** Where the robots are, by the paths of their frames, in the coordinates of the camera's position. */
+  /** Return the robots' positions by the paths of their frames, in the coordinates of the camera's position. */
   robots() {
     const found = new Map();
     for (const path of axesIn(this.viewer)) {
@@ -59,13 +59,13 @@ class Camera {
     return found;
   }
 
-  /** The robot nearest to the middle of the picture, as [path, place]. */
+  /** Return the robot nearest to the middle of the picture, as [path, place]. */
   nearest() {
     const away = ([, place]) => place.distanceTo(this.controls.target);
     return [...this.robots()].sort((one, other) => away(one) - away(other))[0];
   }
 
-  /** While zooming in, take the nearest robot to the middle of the picture, so that it doesn't get lost. */
+  /** While zooming in, move the nearest robot towards the middle of the picture, so that it stays visible. */
   approach(scale) {
     const place = scale < 1 && this.nearest()?.[1];
     if (!place || !this.sees(place)) return;
@@ -99,7 +99,7 @@ class Camera {
     this.controls.reset();
   }
 
-  /** Turn the camera about what it looks at [rad], and multiply its distance. */
+  /** Turn the camera about its target [rad], and multiply its distance. */
   turn(right, down, scale) {
     const {object, target} = this.controls;
     const angles = new MeshCat.THREE.Spherical().setFromVector3(object.position.clone().sub(target));

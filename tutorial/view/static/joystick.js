@@ -30,7 +30,7 @@ export function readGamepad({axes, buttons}) {
   };
 }
 
-/** Combine several inputs of one axis: the strongest counts. */
+/** Combine several inputs of one axis: use the strongest. */
 function strongest(...values) {
   return values.reduce((best, value) => (Math.abs(value) > Math.abs(best) ? value : best), 0);
 }
@@ -191,7 +191,7 @@ class CellView {
     return this.gamepads().find(({mapping}) => mapping === "standard");
   }
 
-  /** The line about gamepads below the sticks. */
+  /** Return the line about gamepads below the sticks. */
   greeting() {
     const gamepad = this.gamepad(), [other] = this.gamepads();
     return gamepad ? `Gamepad: ${gamepad.id}` : other ? `${UNKNOWN}${other.id}. ${NO_GAMEPAD}` : NO_GAMEPAD;

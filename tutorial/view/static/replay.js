@@ -11,7 +11,7 @@ async function unpacked(text) {
   return new Response(new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }
 
-/** The index of the last of these times that is not after `time`. */
+/** Return the index of the last of these times that is not after `time`. */
 function at(times, time) {
   let from = 0, to = times.length;
   while (to - from > 1) {
@@ -134,7 +134,7 @@ class Replay {
     sayBelow(this.line, line && line[0] <= time ? line[1] : "");
   }
 
-  /** A joint's position [rad], or [m], interpolated between two frames as in the picture; NaN if unknown. */
+  /** Return a joint's position [rad], or [m], interpolated between two frames as in the picture; NaN if unknown. */
   position(name) {
     const {times, time} = this, i = at(times, time), j = Math.min(i + 1, times.length - 1);
     const values = this.joints[name].map((value) => value ?? NaN);

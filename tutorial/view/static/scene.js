@@ -10,7 +10,7 @@ const PAUSE = 100;  // between two pictures without a graphics card [ms]
 export const noGraphics = ({message}) =>
   ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. The error was: ${message}`];
 
-/** Whether a graphics card draws a canvas. If the browser does not reveal it, assume that it does. */
+/** Return whether a graphics card draws a canvas. If the browser does not reveal it, assume that it does. */
 function hasCard(gl) {
   const names = gl.getExtension("WEBGL_debug_renderer_info");
   return !names || !BY_PROCESSOR.test(gl.getParameter(names.UNMASKED_RENDERER_WEBGL));
@@ -139,7 +139,7 @@ export class SceneReader {
     }
   }
 
-  /** Make everything as it was in the beginning, but for the camera, which somebody may have turned by hand. */
+  /** Restore the initial state, except for the camera, which the user may have turned. */
   clear() {
     const {viewer} = this;
     for (const [name, node] of Object.entries(viewer.scene_tree.children)) {
@@ -155,7 +155,7 @@ export class SceneReader {
     viewer.set_dirty();
   }
 
-  // A view turned by hand stays so when the same scene is shown once more.
+  // A view that the user has turned stays that way when the same scene is shown again.
   place(payload, isWhole) {
     if (isWhole && this.camera === payload.join()) return;
     this.camera = payload.join();
@@ -165,12 +165,12 @@ export class SceneReader {
     viewer.set_transform(["Cameras", "default"], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     viewer.camera.position.set(x, z, -y);  // three.js: y is up
     viewer.controls.target.set(toX, toZ, -toY);
-    viewer.controls.saveState();  // where a reset returns to
+    viewer.controls.saveState();  // the state that a reset restores
     viewer.set_dirty();
   }
 }
 
-/** Keep the picture as large as its element; meshcat would use the window's height. Returns how to stop. */
+/** Keep the picture as large as its element; meshcat would use the window's height. Returns a function to stop it. */
 export function fit(viewer, element) {
   const resize = viewer.set_3d_pane_size.bind(viewer);
   viewer.set_3d_pane_size = () => {

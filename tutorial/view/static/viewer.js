@@ -1,7 +1,7 @@
 // meshcat's viewer as one part of a page: in a notebook's cell, or in a replay. make.js, camera.js and scene.js precede
 // this file in the same script.
 
-const TURN = Math.PI / 36, ZOOM = 1.1;  // a key press
+const TURN = Math.PI / 36, ZOOM = 1.1;  // the angle [rad] and the factor of one key press
 const KEYS = {
   ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, -TURN, 1], ArrowDown: [0, TURN, 1],
   "+": [0, 0, 1 / ZOOM], "=": [0, 0, 1 / ZOOM], "-": [0, 0, ZOOM], "_": [0, 0, ZOOM],
@@ -49,7 +49,7 @@ function takeLibrary(zipped) {
   run(zipped).then(shared.resolve, shared.reject);
 }
 
-/** Make something, and return it with a function that removes the window's listeners that were added meanwhile. */
+/** Make something, and return it with a function that removes the window listeners that were added in the process. */
 function withoutTrace(make) {
   const add = window.addEventListener, {onload} = window, put = [];
   window.addEventListener = (...listener) => {
@@ -64,7 +64,7 @@ function withoutTrace(make) {
   }
 }
 
-/** Make the element that a picture is in, within a frame. It has what a screen reader says of it. */
+/** Make the element that contains a picture, within a frame. It has the description for screen readers. */
 function makePane(title) {
   return make("div", "tank-view-pane", {
     "role": "img", "tabindex": "0", "data-lm-suppress-shortcuts": "true", "aria-label": `${title}, in 3D`,
@@ -110,7 +110,7 @@ class Picture {
     };
   }
 
-  /** While the pane has the focus, keys and the wheel are its own. */
+  /** While the pane has the focus, it handles keys and the wheel. */
   listen(pane, signal) {
     pane.addEventListener("pointerdown", () => pane.focus({preventScroll: true}), {signal});
     pane.addEventListener("dblclick", () => this.use(TOOLS.r), {signal});
@@ -124,13 +124,13 @@ class Picture {
       event.preventDefault();
       event.stopPropagation();
     }, {signal});
-    // Who scrolls the page past the view goes on scrolling; who has clicked into it zooms.
+    // The wheel scrolls the page past the view, unless the user has clicked into the view: then it zooms.
     pane.addEventListener("wheel", (event) => {
       if (!pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
     }, {capture: true, passive: true, signal});
   }
 
-  /** Make a button for each tool. A click leaves the keys to the pane. */
+  /** Make a button for each tool. A click moves the focus to the pane, so that keys work. */
   makeTools(pane) {
     const bar = make("div", "tank-view-tools");
     this.buttons = Object.entries(TOOLS).map(([key, tool]) => {
