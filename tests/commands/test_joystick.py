@@ -57,7 +57,7 @@ def test_it_ends_with_its_simulation_although_other_nodes_listen(domain):
         ("drive:\n- {time: 1, axis: [0]}", "line 2: unknown key 'axis'. Did you mean 'axes'?"),
         ("drives: []", "line 1: unknown key 'drives'. Did you mean 'drive'?"),
         ("drive:\n- {time: 0, axes: [2]}", "line 2: drive[0].axes[0]: expected a number <= 1."),
-        ("drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}", "line 3: 1.0 is not later than 1.0. Put the moments"),
+        ("drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}", "line 3: 1.0 is not later than 1.0. Put the times"),
     ],
 )
 def test_a_bad_drive_is_reported_with_line_and_fix(drive, tmp_path, text, said):

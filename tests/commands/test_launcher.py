@@ -134,7 +134,7 @@ def test_each_line_names_its_process_and_is_escaped(machine, launch_file, monkey
 def test_when_one_fails_the_rest_stop_and_its_status_counts(machine, launch_file, program, status, left):
     assert machine.run(launch_file(sleeper=["sleeper"], **{program: [program]})) == status
     said = [line for line in machine.lines if "failed with" in line]
-    assert said == [f"{program:7} | failed with exit status {status}; the others are stopped"]
+    assert said == [f"{program:7} | failed with exit status {status}; the other processes are stopped"]
     assert machine.heard == [[INT], left]  # the remaining group of the killed process
 
 

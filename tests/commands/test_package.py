@@ -136,7 +136,7 @@ def test_its_node_takes_the_options_of_tank_run(here, domain):
         ("x", "at least two characters"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
         ("lambda", "Python already has a module or keyword 'lambda'"),
-        ("rclpy", "Choose another name, such as 'my_rclpy'."),
+        ("rclpy", "Choose a different name, such as 'my_rclpy'."),
     ],
 )
 def test_an_invalid_package_name_is_refused(here, name, said):

@@ -1,4 +1,4 @@
-"""Make nodes for commands, with ROS 2's arguments, and commands that query ROS 2 through such a node."""
+"""Make nodes for commands from ROS 2's arguments, and make commands that query ROS 2 through such a node."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
@@ -25,11 +25,11 @@ BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when th
 
 
 def query(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
-    """Turn a coroutine function, which queries a node and prints the answer, into the function of a command.
+    """Turn a coroutine function, which queries a node and prints the answer, into a command's function.
 
-    The node is hidden, like that of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit status
-    follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed
-    unchanged, because some are texts of ``ros2``, such as "Unknown topic".
+    The node is hidden, like the node of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit
+    status follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed
+    unchanged, because some have the text of an error of ``ros2``, such as "Unknown topic".
     """
 
     @click.pass_obj
@@ -55,7 +55,7 @@ def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -
     Args:
         name: the node's name, unless it is remapped.
         ros_args: ROS 2's arguments.
-        use_sim_time: the node's parameter, for a clock that follows ``/clock``.
+        use_sim_time: the value of this parameter; if it is true, the node's clock follows ``/clock``.
 
     Raises:
         TutorialError: a name or an argument is invalid.

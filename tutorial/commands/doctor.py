@@ -30,7 +30,7 @@ from tutorial.ros.wheels.folder import RANGE
 from tutorial.system.printing import print_text
 
 WIDTH = 100  # columns, including 20 for subject and level
-TIMEOUT = 45  # [s] the longest wait for an answer: a loaded machine is slow to import
+TIMEOUT = 45  # [s] the longest wait for an answer: imports take long on a loaded machine
 FIRST_LOOK = 4.0  # [s] until the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
 
 PIP = "python -m pip install"
@@ -83,7 +83,7 @@ def _looked(probe: Callable[[], Diagnosis]) -> Diagnosis:
         return probe()
     except TutorialError:
         return Diagnosis("note", "not checked because of the problem above", "fix that first")
-    except Exception as error:  # noqa: BLE001 - the other probes go on
+    except Exception as error:  # noqa: BLE001 - the other probes continue
         return Diagnosis("note", f"the check failed: {type(error).__name__}: {error}", "check it by hand")
 
 
@@ -102,7 +102,7 @@ def ask(question: Callable[[], Any], timeout: float = TIMEOUT) -> Any:
         timeout: the time limit [s].
 
     Raises:
-        TutorialError: the function crashed, failed or took too long; the text says which.
+        TutorialError: the function crashed, failed or took too long; the error says which.
     """
     code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
     command = [sys.executable, "-P", "-X", "utf8", "-c", code]
@@ -126,7 +126,7 @@ def mujoco() -> Diagnosis:
         fix = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
         return Diagnosis("problem", f"it cannot be imported: {error}", fix)
     if problem:
-        return Diagnosis("note", f"{version}; cameras take no pictures, the rest works: {problem[0]}", problem[1])
+        return Diagnosis("note", f"{version}; only cameras do not work: {problem[0]}", problem[1])
     return Diagnosis("ok", f"{version}, which can render off screen")
 
 
@@ -153,8 +153,8 @@ def backend() -> Diagnosis:
     jazzy = f". {SETUP}, or {pocket}" if Path(SETUP).exists() else pocket
     name, repair = {
         "pocket": ("the pocket ROS 2, on Cyclone DDS", cyclonedds),
-        "folder": ("the real ROS 2 of tank ros install", "tank ros remove, then tank ros install"),
-        "pixi": (f"ROS 2 {distro or 'jazzy'} of RoboStack", "rm -r .pixi, then pixi run doctor"),
+        "folder": ("the real ROS 2 from tank ros install", "tank ros remove, then tank ros install"),
+        "pixi": (f"ROS 2 {distro or 'jazzy'} from RoboStack", "rm -r .pixi, then pixi run doctor"),
         "sourced": (f"ROS 2 {distro or '(ROS_DISTRO is not set)'}", jazzy),
     }[kind]
     finds = "no rclpy" if kind == "pocket" else "it"
@@ -186,7 +186,7 @@ def _kind() -> Kind:
     if ros_backend() == "pocket":
         return "pocket"
     rclpy = real_rclpy()
-    if rclpy is None or rclpy.is_relative_to(folder.prefix()):  # None: the folder is damaged
+    if rclpy is None or rclpy.is_relative_to(folder.prefix()):  # None if the folder is damaged
         return "folder"
     return "pixi" if (Path(sys.prefix) / "conda-meta").is_dir() else "sourced"
 

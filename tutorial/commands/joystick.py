@@ -39,7 +39,7 @@ class ScriptedDrive:
         path: the file. With ``repeat: true`` the drive starts again at the time of its last entry.
 
     Raises:
-        TutorialError: the file is missing or malformed; the text names the line and a fix.
+        TutorialError: the file is missing or malformed; the error names the line and a fix.
     """
 
     def __init__(self, path: Path) -> None:
@@ -49,11 +49,11 @@ class ScriptedDrive:
         for i, (before, after) in enumerate(pairwise(self._times), start=1):
             with file.at("drive", i, "time"):
                 if after <= before:
-                    raise TutorialError(f"{after} is not later than {before}. Put the moments in order.")
+                    raise TutorialError(f"{after} is not later than {before}. Put the times in order.")
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return the axes at a time since the drive's start [s], and no buttons."""
+        """Return the axes at a time [s] after the drive's start, and no buttons."""
         if self._period:
             seconds %= self._period
         i = bisect_right(self._times, seconds) - 1
@@ -91,7 +91,7 @@ class Gamepad:
                 return cls(controller.Controller(i))
         return None
 
-    def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad knows only the present
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad only has current values
         """Return the current axes and buttons, as the ROS 2 joy package's ``game_controller_node`` publishes them.
 
         In SDL, right and backward are positive. That node inverts every axis: left and forward are positive, and a
@@ -121,9 +121,9 @@ def publish_joystick(
     Args:
         node: the node to publish with.
         source: the joystick.
-        duration: how long to publish [s]; None for until `stop` is set.
-        linger: after the duration, continue for at most this time [s] until one of the subscriptions ends. The others
-            can stay: a monitoring program does not keep the joystick alive.
+        duration: how long to publish [s]; None to publish until `stop` is set.
+        linger: after the duration, continue for at most this time [s] until one of the subscriptions ends. Other
+            subscriptions can remain: a monitoring program does not keep the joystick alive.
         stop: set it to stop, from any thread.
         progress: called with the elapsed seconds.
 

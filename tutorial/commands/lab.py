@@ -25,7 +25,7 @@ BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
 
 
 def own_course() -> Path:
-    """Return the learner's course folder; or make one in the current directory.
+    """Return the learner's course folder, or make one in the current directory.
 
     Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
     version would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the
@@ -66,7 +66,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "ServerApp.allow_origin_pat": _forwarded_origin(),
         "ServerApp.max_body_size": 64_000_000,  # limit in bytes before authentication; notebooks are smaller
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
-        "ServerApp.answer_yes": True,  # one Ctrl-C ends it
+        "ServerApp.answer_yes": True,  # a single Ctrl-C ends the server
         "Application.log_level": "ERROR",
         "LabApp.news_url": None,  # otherwise it asks each learner whether to show its news
         **({"KernelManager.transport_encryption": "auto"} if zmq.has("curve") else {}),  # otherwise each kernel warns

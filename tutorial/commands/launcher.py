@@ -39,8 +39,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
     same whatever is installed.
 
     Raises:
-        TutorialError: the file fails, uses more of `launch` than the tutorial has, or describes a process that cannot
-            be started; the text names the line if possible.
+        TutorialError: the file fails, uses more of `launch` than the tutorial supports, or describes a process that
+            cannot be started; the error names the line if possible.
     """
     with _own_launch() as launch:
         try:
@@ -48,7 +48,7 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
         except ImportError as error:
             reason = str(error).removesuffix(".")
             fix = f"Run it with a real ROS 2: ros2 launch {path}"
-            raise TutorialError(f"{path} uses more than the tutorial's launch has: {reason}. {fix}") from error
+            raise TutorialError(f"{path} uses more than the tutorial's launch supports: {reason}. {fix}") from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {describe_error(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription) or not description.entities:
@@ -67,8 +67,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 class Launcher:
     """Starts processes, prints their output with their names in front, and ends them together.
 
-    When one fails, the launcher interrupts the others and, after a timeout or a second Ctrl-C, kills them. No process
-    outlives the launcher, even if that is killed: see `tutorial.system.parent_watch`.
+    When one fails, the launcher interrupts the other processes and, after a timeout or a second Ctrl-C, kills them. No
+    process outlives the launcher, even if the launcher is killed: see `tutorial.system.parent_watch`.
 
     Args:
         processes: the processes to start.
@@ -94,7 +94,7 @@ class Launcher:
             progress: called repeatedly with the elapsed seconds.
 
         Returns:
-            The exit status of the first process that failed; 0 if none failed.
+            The exit status of the first process that failed; 0 if no process failed.
         """
         handle_signals(self._interrupt, at_once=lambda: self._signal_groups(signal.SIGKILL))
         began = time.monotonic()
@@ -128,7 +128,7 @@ class Launcher:
         reader.start()
 
     def _follow(self, name: str, process: Popen[str]) -> None:
-        """Print a process's lines until it ends; if it is the first one to fail, have the others stopped."""
+        """Print a process's lines until it ends; if it is the first one to fail, have the other processes stopped."""
         with process:
             for line in process.stdout or ():
                 self._say(name, printable_lines(line.rstrip("\n")))
@@ -137,11 +137,11 @@ class Launcher:
             self._running.pop(name, None)
         if status and not self._stop.is_set():
             self._status = status if status > 0 else 128 - status
-            self._say(name, f"failed with exit status {self._status}; the others are stopped")
+            self._say(name, f"failed with exit status {self._status}; the other processes are stopped")
             self._stop.set()
 
     def _stop_all(self) -> None:
-        """Interrupt every remaining process group, and kill those that don't stop in time."""
+        """Interrupt every remaining process group, and kill the ones that don't stop in time."""
         self._stop.set()
         self._signal_groups(signal.SIGINT)
         for _ in range(round(TIMEOUT / LOOK_EVERY)):
@@ -163,7 +163,7 @@ class Launcher:
         try:
             self._output.write(f"{datetime.now():%H:%M:%S} {name:{self._width}} | {line}\n")
             self._output.flush()
-        except BrokenPipeError:  # the reader is gone, for instance head
+        except BrokenPipeError:  # the reader, such as head, has ended
             self._stop.set()
 
 
@@ -179,7 +179,7 @@ def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
 
 @contextmanager
 def _own_launch() -> Iterator[ModuleType]:
-    """Make ``import launch`` import the pocket ROS 2's for the duration of the context."""
+    """Make ``import launch`` import the pocket ROS 2's module for the duration of the context."""
     hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
     sys.path.insert(0, str(pocket_ros2.PATH))
     try:

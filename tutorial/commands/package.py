@@ -47,7 +47,7 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
     print_text("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
     if interfaces:
         print_text(
-            "\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 of tank ros install:\n\n"
+            "\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 from tank ros install:\n\n"
         )
         print_text(f"    tank ros build {printable(str(folder))}\n\n")
         print_text(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
@@ -70,7 +70,7 @@ def _write(folder: Path, files: Mapping[str, bytes]) -> None:
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
     except FileExistsError as error:
-        text = f"{str(error.filename)!r} already exists and is not overwritten. Give another name or destination."
+        text = f"{str(error.filename)!r} already exists and is not overwritten. Give a different name or destination."
         raise TutorialError(text) from None
     except OSError as error:
         raise TutorialError(f"{str(folder)!r} cannot be written: {error.strerror}") from error

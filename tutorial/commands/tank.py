@@ -32,14 +32,14 @@ if TYPE_CHECKING:
     from tutorial.program.project import Project
 
 FILE = click.Path(path_type=Path)
-LINGER = 30.0  # [s] that launched processes wait for each other after twice the duration: machines can be slow
+LINGER = 30.0  # [s] that launched processes wait for each other, besides the duration itself: machines can be slow
 
 
 def main(args: list[str] | None = None) -> None:
     """Run a command, and exit with its status.
 
     Args:
-        args: the command line; None for that of the process.
+        args: the command line; None for the process's own command line.
     """
     words, ros_args = _split(sys.argv[1:] if args is None else args)
     prepare_output()
@@ -55,7 +55,7 @@ def main(args: list[str] | None = None) -> None:
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
-    gc.freeze()  # or Python would spend another 0.1 s on collecting garbage at exit
+    gc.freeze()  # otherwise, Python would spend 0.1 s on collecting garbage at exit
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -89,12 +89,12 @@ def tank() -> None:
 def run(
     ros_args: list[str], /, project: str, robot: str | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
-    """Run PROJECT: a file such as project/step2.yaml, or the name of a project of the tutorial, such as step2."""
+    """Run PROJECT: a file such as project/step2.yaml, or the name of a tutorial project, such as step2."""
     from tutorial.program.controller_files import load_controllers
     from tutorial.program.project import Project
     from tutorial.system.paths import find_model, find_project
 
-    ros_backend()  # or an error would blame the first controller that imports rclpy
+    ros_backend()  # otherwise, an error would blame the first controller that imports rclpy
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(find_model(robot))
@@ -105,7 +105,7 @@ def run(
 
 
 @tank.command(short_help="Publish a gamepad or a scripted drive on /joy.")
-@click.option("--drive", metavar="FILE", help="Publish this file, or a drive of the tutorial, such as tour.")
+@click.option("--drive", metavar="FILE", help="Publish this file, or a tutorial drive, such as tour.")
 @duration_option
 @linger_option
 @report_option
@@ -131,7 +131,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
 @headless_option
 @report_option
 def launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
-    """Run a launch file: STEP is a path, or the name of a launch file of the tutorial, such as step3."""
+    """Run a launch file: STEP is a path, or the name of a tutorial launch file, such as step3."""
     return _launch(step, duration, headless, report)
 
 
@@ -194,7 +194,7 @@ def progress(folder: Path | None) -> None:
 @tank.command(short_help="Print a robot's description, a URDF.")
 @click.argument("model")
 def urdf(model: str) -> None:
-    """Print MODEL as URDF: an MJCF or URDF file, or the name of a model of the tutorial, such as tank.
+    """Print MODEL as URDF: an MJCF or URDF file, or the name of a tutorial model, such as tank.
 
     RobotDescriptionPublisher publishes the same text. Save it with: tank urdf tank > tank.urdf.
     """
@@ -212,7 +212,7 @@ for command in (bag, chaos, check, node, package, ros, topic):
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Separate the command's own arguments from ROS 2's, which go from ``--ros-args`` to ``--`` or the end."""
+    """Separate the command's own arguments from ROS 2's arguments: from ``--ros-args`` to ``--`` or the end."""
     if "--ros-args" not in words:
         return words, []
     begin = words.index("--ros-args")
@@ -279,7 +279,7 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     from tutorial.commands.launcher import Launcher, load_launch_file
     from tutorial.system.paths import find_launch_file
 
-    ros_backend()  # or each process would report the missing ROS 2
+    ros_backend()  # otherwise, each process would report the missing ROS 2
     environment: dict[str, str] = {}
     if duration is not None:
         environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}

@@ -20,7 +20,7 @@ INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
 
 class _LogFormatter(logging.Formatter):
-    """Escapes log lines as `say` escapes printed text."""
+    """Escapes log lines as `print_text` escapes printed text."""
 
     def format(self, record: logging.LogRecord) -> str:
         return printable_lines(super().format(record))
@@ -37,7 +37,7 @@ def prepare_output() -> None:
 
 
 def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None) -> None:
-    """Make the first Ctrl-C or SIGTERM ask this process to end, and the second end it at once. Main thread.
+    """Make the first Ctrl-C or SIGTERM ask this process to end, and the second end it at once. Main thread only.
 
     SIGHUP, which a closing terminal sends, does the same unless ``nohup`` makes this process ignore it.
 

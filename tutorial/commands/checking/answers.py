@@ -40,12 +40,12 @@ class Answer(NamedTuple):
     unreadable: str = ""
 
     def define(self) -> Any:
-        """Run the statements in a namespace like a notebook's, and return the value of the argument.
+        """Run the statements in a namespace as in a notebook, and return the value of the argument.
 
         Failing statements are skipped: as in a notebook, earlier definitions stay.
 
         Raises:
-            Exception: the argument cannot be evaluated. If a name is missing, raise the error of the last failed
+            Exception: the argument cannot be evaluated. If a name is missing, this is the error of the last failed
                 statement, if any.
         """
         if self.given is None:
@@ -153,7 +153,7 @@ def _answer(
 
 
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
-    """Collect the statements that define names, recursively: those before a position if any, otherwise all."""
+    """Collect the statements that define names, recursively: only the ones before a position if there are any."""
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)
     while waiting:

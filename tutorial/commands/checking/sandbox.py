@@ -1,4 +1,4 @@
-"""The sandbox for processes that run a stranger's code. It uses bubblewrap, like Flatpak.
+"""The sandbox for processes that run a stranger's code. It uses bubblewrap, as Flatpak does.
 
 It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; a
 network with only its own loopback; and processes that are all killed when the first one ends. It needs Linux, the
@@ -50,7 +50,7 @@ def sandbox(folder: str) -> list[str]:
     shown = COURSE if is_course(PACKAGE.parent) else ()  # empty folders that mark a checkout
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
-    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could write there
+    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # or root could write there
     return [
         *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
@@ -62,7 +62,7 @@ def need_sandbox() -> None:
     """Check that the sandbox works.
 
     Raises:
-        TutorialError: it does not; the text says why, and how to fix it.
+        TutorialError: it does not; the error says why, and how to fix it.
     """
     for what, found in (("the program bwrap", shutil.which("bwrap")), (SECCOMP, find_library("seccomp"))):
         if found is None:
@@ -104,6 +104,6 @@ def _readable() -> Iterator[str]:
     named = (os.environ.get(name, "") for name in ("PYTHONPATH", "AMENT_PREFIX_PATH", "LD_LIBRARY_PATH"))
     entries = [*sys.path, *(entry for entries in named for entry in entries.split(os.pathsep))]
     known = {os.path.abspath(entry) for entry in entries if entry}  # noqa: PTH100 - keep a link's own name
-    yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # without the course and the current folder
+    yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # except for the course and the current folder
     for own in (sys.prefix, sys.base_prefix, PACKAGE, PACKAGE.parent / "project"):
         yield str(own)

@@ -21,7 +21,7 @@ from tutorial.system.paths import PACKAGE
 
 LARGEST = 50 << 20  # maximum size of a notebook in bytes
 OUTLAST = 4  # limit of processor time, as a multiple of the time limit, for answers with several threads
-MEMORY = 8 << 30  # bytes of address space of all of an answer's processes together, including shared memory
+MEMORY = 8 << 30  # [bytes] limit for the address space of an answer's processes together, including shared memory
 LOOK = 0.1  # [s] between two checks of the memory
 UNREAD = "it could not be read: the reading process crashed or took too long"
 ENDLESS = "The answer did not finish within {limit:g} s."
@@ -31,7 +31,7 @@ KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
-"""Prefixes of the variables that a learner's code can see; others can contain keys and passwords."""
+"""Prefixes of the variables that a learner's code can see; other variables can contain keys and passwords."""
 
 
 T = TypeVar("T", Judged, Opened)
@@ -46,7 +46,8 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str
         is_sandboxed: whether to use a sandbox.
 
     Returns:
-        The verdicts by exercise name, in the notebook's order. If the notebook has a problem, it comes first, under "".
+        The verdicts by exercise name, in the notebook's order. A problem with the notebook itself is the first entry,
+        under "".
     """
     judged: dict[str, Judged] = {}
     if not path.is_file():
@@ -76,7 +77,7 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
-    """Start a process for a notebook or one of its answers, return its message, and kill what is left of it.
+    """Start a process for a notebook or one of its answers, return its message, and kill any processes that remain.
 
     Raises:
         EOFError: the process wrote nothing.
@@ -103,7 +104,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             async with asyncio.timeout(limit):
                 process = await asyncio.shield(starting)
                 assert process.stdout is not None
-                looking = asyncio.create_task(_bound_memory(process.pid))  # also ends with the process
+                looking = asyncio.create_task(_bound_memory(process.pid))  # ends with the process, too
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
                 looking.cancel()
@@ -128,7 +129,7 @@ async def _bound_memory(pid: int) -> None:
 
 
 def _mapped(process: psutil.Process) -> int:
-    """Return the address space [bytes]; 0 for a process that has ended.
+    """Return the address space of a process [bytes]; 0 if it has ended.
 
     On macOS, where that is always hundreds of GB, return the resident memory instead.
     """
