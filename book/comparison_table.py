@@ -28,7 +28,7 @@ RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 
 
 def judge(kind: type[Viewer], fault: str) -> str:
-    """Show a stream to a viewer, and describe how often its pose was not right and whether it reported that.
+    """Show a stream to a viewer, and describe how often its pose was not right and whether it reported a problem.
 
     A pose is right if each joint is where the good stream has it. It is stale if the remaining joints are where they
     were before, and wrong otherwise.

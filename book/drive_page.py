@@ -51,7 +51,7 @@ PROGRAMS = {
     "simulation": ("step2", "TankController", "tank_controller.py"),
     "viewer": ("step3", "JointStateSubscriber", "joint_state_subscriber.py"),
 }
-"""The page's programs: each one's project, and the class and file of the controller that the visitor edits."""
+"""The page's programs, each with its project, and the class and file of the controller that the visitor edits."""
 
 
 @cache
@@ -79,7 +79,7 @@ def write_python(folder: Path) -> None:
     files = {path: path.relative_to(HOME) for path in (*course, *(HOME / "tutorial/controllers").glob("*.py"))}
     cyclone = Path(str(distribution("cyclonedds").locate_file("")))
     files |= {cyclone / name: Path(name) for name in CYCLONE}
-    for root in (POCKET, HERE / "python"):  # files of the second replace those of the first
+    for root in (POCKET, HERE / "python"):  # files from the second folder replace files from the first
         files |= {path: path.relative_to(root) for path in root.rglob("*") if path.suffix in (".py", ".json")}
     for path, name in files.items():
         if name.parts[0] != "launch":
@@ -112,7 +112,7 @@ def write_site(static: Path) -> None:
         for name in names:
             shutil.copyfile(packages / package.rpartition("@")[0] / name, folder / name)
     lock = json.loads((packages / "pyodide" / LOCK).read_text(encoding="utf-8"))
-    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or it would use other sites
+    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # else Pyodide uses other sites
     with TemporaryDirectory() as course:
         write_python(Path(course))
         shutil.make_archive(str(folder / "course"), "zip", course)

@@ -1,6 +1,7 @@
 """The tank tutorial: learn ROS 2 by building a tank, step by step, in the browser.
 
-Importing this package makes ``rclpy`` importable: a real one if ROS 2 is installed, otherwise that of ``pocket_ros2``.
+Importing this package makes ``rclpy`` importable: the real one if ROS 2 is installed, otherwise the one in
+``pocket_ros2``.
 """
 
 from tutorial.ros.backend import promise, ros_backend, use_real_ros

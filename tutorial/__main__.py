@@ -1,4 +1,4 @@
-"""Runs the command ``tank``, also as ``python -m tutorial``."""
+"""Runs the command ``tank``; ``python -m tutorial`` does the same."""
 
 import gc
 import signal
@@ -7,7 +7,7 @@ signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command handles Ctrl-C, 
 signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # `parent_watch` starts its command with SIGINT blocked
 
 gc.disable()  # imports create no garbage worth collecting
-from tutorial.commands.tank import main  # noqa: E402 - this takes a moment, and Ctrl-C may come before it ends
+from tutorial.commands.tank import main  # noqa: E402 - this takes a moment, in which the user may press Ctrl-C
 
 gc.freeze()
 gc.enable()

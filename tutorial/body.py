@@ -1,4 +1,4 @@
-"""A robot, or any other body: a MuJoCo model with its state, and the joints by name."""
+"""A robot or any other body: a MuJoCo model with its state, and joints that can be found by name."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Joint:
 
     Attributes:
         name: without the body's prefix.
-        range: ``(lower, upper)`` [rad or m]; infinite if the joint has no limit.
+        range: the limits ``(lower, upper)`` [rad or m]; infinite if the joint has no limit.
         qpos_adr: the index of its position in MuJoCo's ``qpos``.
     """
 
@@ -81,7 +81,8 @@ class Joint:
         """Torque or force [N.m or N] of the joint's actuators in the last step. Setting it commands the motor.
 
         Raises:
-            TutorialError: when set, if the joint has no motor or has a servo; the text names the actuator and its kind.
+            TutorialError: on assignment, if the joint has no motor, or a servo; the error names the actuator and its
+                kind.
         """
         return self._effort.item(self._dof_adr)
 
@@ -95,7 +96,7 @@ class Joint:
         """Position [rad or m] that the joint's position servo holds. Setting it commands the servo.
 
         Raises:
-            TutorialError: the joint has no position servo, or several; the text names the actuator and its kind.
+            TutorialError: the joint has no position servo, or several; the error names the actuator and its kind.
         """
         command = self._find_target_command()
         return (self._ctrl.item(command.adr) - command.offset) / command.scale
@@ -126,7 +127,7 @@ class Actuator:
 
     @property
     def ctrl(self) -> float:
-        """The control signal, in the model's unit; for a track it is the surface speed [m/s]."""
+        """The control signal, in the model's unit; for a track, the surface speed [m/s]."""
         return self._ctrl.item(self._adr)
 
     @ctrl.setter
@@ -150,7 +151,7 @@ class Sensor:
 
     @property
     def value(self) -> NDArray[np.float64]:
-        """The last step's measurement: a copy, shape (dim,), in its unit, such as [m/s^2] or [rad/s] along x, y, z.
+        """A copy of the last step's measurement, shape (dim,), in the sensor's unit, such as [m/s^2] along x, y, z.
 
         Setting it stores a received measurement in a displayed body; only the body's thread may do that.
         """
@@ -164,7 +165,7 @@ class Sensor:
 
 
 class Body:
-    """A named part of a MuJoCo model and its state.
+    """A named part of a MuJoCo model, with its state.
 
     A displayed body has its own model and state, and belongs to the thread that made it, the main thread. A simulated
     body is part of the simulation's world, and belongs to the thread that steps it. Moving a displayed body on any
@@ -175,12 +176,12 @@ class Body:
         model: the model.
         data: its state.
         guard: restricts a displayed body to its thread; None for a simulated body.
-        find_camera: called with a simulated body and a camera's name, returns the camera; None for a displayed body.
+        find_camera: a function that finds a simulated body's camera by name; None for a displayed body.
 
     Attributes:
         name, model, data, find_camera: as given.
-        joints: the hinge and slide joints of groups 0 to 2, in the model's order. MuJoCo hides higher groups, which
-            are internal parts, such as the wheels in a track.
+        joints: the hinge and slide joints of groups 0 to 2, in the model's order. Higher groups, which MuJoCo hides,
+            hold joints of internal parts, such as the wheels in a track.
         qpos_slice: the body's part of MuJoCo's ``qpos``.
     """
 
@@ -215,7 +216,7 @@ class Body:
             placement: the body's name and model.
 
         Raises:
-            TutorialError: the model does not load.
+            TutorialError: the model cannot be loaded.
         """
         model = compose([placement])
         body = cls(placement.name, model, mujoco.MjData(model), ThreadGuard(f"the body {placement.name!r}"))
@@ -229,30 +230,30 @@ class Body:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The names of its joints."""
+        """The body's joint names."""
         return tuple(self._by_name)
 
     @property
     def joint_ranges(self) -> dict[str, tuple[float, float]]:
-        """The ranges of its joints by name, ``(lower, upper)`` [rad or m]."""
+        """The joints' ranges by name, ``(lower, upper)`` [rad or m]."""
         return {joint.name: joint.range for joint in self.joints}
 
     @property
     def qpos(self) -> NDArray[np.float64]:
-        """A view of its part of MuJoCo's ``qpos``, shape (nq,)."""
+        """A view of the body's part of MuJoCo's ``qpos``, shape (nq,)."""
         qpos: NDArray[np.float64] = self.data.qpos[self.qpos_slice]
         return qpos
 
     @property
     def followers(self) -> frozenset[str]:
-        """The coupled joints that `set_joint_positions` has never named, so that they still follow other joints."""
+        """The coupled joints that still follow other joints, because `set_joint_positions` has never named them."""
         return self._followers.names if self._followers else frozenset()
 
     def joint(self, name: str) -> Joint:
         """Find a joint by name.
 
         Raises:
-            TutorialError: the body has no such joint; the text suggests the nearest name.
+            TutorialError: the body has no such joint; the error suggests the nearest name.
         """
         if name not in self._by_name:
             raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{did_you_mean(name, self.joint_names)}")
@@ -284,7 +285,7 @@ class Body:
             name: without the body's prefix.
 
         Raises:
-            TutorialError: the body has no such element; the text suggests the nearest name.
+            TutorialError: the body has no such element; the error suggests the nearest name.
         """
         prefix = f"{self.name}/"
         every = {element(i).name: i for i in range(count)}
@@ -295,7 +296,7 @@ class Body:
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """The position of its root, the first link [m], a copy, shape (3,). Setting it moves a displayed body."""
+        """A copy of the position [m] of the root (the first link), shape (3,). Setting it moves a displayed body."""
         return self._root.position.copy()
 
     @position.setter
@@ -305,7 +306,7 @@ class Body:
 
     @property
     def orientation_wxyz(self) -> NDArray[np.float64]:
-        """The orientation of its root as a unit quaternion, a copy, shape (4,). Setting it turns a displayed body."""
+        """A copy of the root's orientation as a unit quaternion, shape (4,). Setting it turns a displayed body."""
         return self._root.wxyz.copy()
 
     @orientation_wxyz.setter
@@ -315,7 +316,7 @@ class Body:
 
     @property
     def twist(self) -> NDArray[np.float64]:
-        """Its root's velocity, linear [m/s], then angular [rad/s], along the root's own axes, a copy, shape (6,)."""
+        """A copy of the root's velocity along its own axes: linear [m/s], then angular [rad/s], shape (6,)."""
         linear, inverse = np.empty(3), self._root.wxyz * (1.0, -1.0, -1.0, -1.0)
         mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's velocity is along the world's axes
         return np.concatenate([linear, self._root.velocity[3:]])
@@ -323,10 +324,10 @@ class Body:
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
 
-        A coupled joint follows until it is first named. Joints that are not named and not coupled do not move.
+        A coupled joint follows until a call names it. Joints that are neither named nor coupled do not move.
 
         Args:
-            positions: by joint name [rad or m].
+            positions: the positions [rad or m] by joint name.
 
         Raises:
             TutorialError: the body has no joint of that name.
@@ -347,8 +348,8 @@ class Body:
         """Call the observers, so that the view shows the change.
 
         Args:
-            report: the matching report of the message that changed the body; None for a change without a message. The
-                body only passes it on, because a controller knows its body but not the observers.
+            report: which joints the message that changed the body could move, and its faults; None for a change without
+                a message. The body only passes it on, because a controller does not know the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
@@ -364,7 +365,7 @@ class Body:
 
 
 def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:
-    """Return a body's part of ``qpos``. It is one slice, because MuJoCo numbers the joints of a body in sequence."""
+    """Return a body's part of ``qpos``. One slice is enough, because MuJoCo numbers a body's joints in sequence."""
     bounds = [*model.jnt_qposadr.tolist(), model.nq]
     return slice(bounds[joint_ids[0]], bounds[joint_ids[-1] + 1]) if joint_ids else slice(0, 0)
 

@@ -19,14 +19,14 @@ class CallLater(Protocol):
     """The type of `ControllerConfig.call_later`."""
 
     def __call__(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Run ``function(*args)`` on the main thread. Any thread."""
+        """Run ``function(*args)`` on the main thread. Thread-safe."""
 
 
 class CallLatest(Protocol):
     """The type of `ControllerConfig.call_latest`."""
 
     def __call__(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Run ``function(*args)`` on the main thread, instead of a waiting call with the same key. Any thread."""
+        """Run ``function(*args)`` on the main thread, in place of a waiting call with the same key. Thread-safe."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class ControllerConfig:
     Attributes:
         body: the displayed body; it belongs to the main thread.
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
-        call_later: ``call_later(function, *args)``, from any thread: run the function on the main thread. No call is
-            lost, and their order stays. Calls that still wait when the controller leaves its body are dropped.
+        call_later: ``call_later(function, *args)``, called on any thread, runs the function on the main thread. No call
+            is lost, and the order is kept. Calls still waiting when the controller leaves its body are dropped.
         call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
             key.
     """
@@ -53,7 +53,7 @@ class ControllerIO:
 
     Attributes:
         body: the simulated body.
-        time_step: [s].
+        time_step: the time step [s].
         step: the number of steps since the program began. Stopping and starting again does not reset it.
     """
 
@@ -77,23 +77,23 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base of all controllers, with the names and methods of the original. Each docstring names the calling thread.
+    """Base of all controllers, with the original tutorial's names and methods. Each docstring names the calling thread.
 
-    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world `initialize`, `control` at
-    every step, and `stop` come between them.
+    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, `initialize`, then
+    `control` at every step, and `stop` are called in between.
     """
 
     def configure(self, config: ControllerConfig) -> None:
-        """Join a body: make publishers and subscriptions. Main thread."""
+        """Join a body: make publishers and subscriptions. Called on the main thread."""
 
     def initialize(self, io: ControllerIO) -> None:
-        """Get ready for the first step, at every start of the simulation. The simulation's thread."""
+        """Prepare for the first step, whenever the simulation starts. Called on the simulation's thread."""
 
     def control(self) -> None:
-        """Read sensors and set actuators, before every step. The simulation's thread."""
+        """Read sensors and set actuators, before every step. Called on the simulation's thread."""
 
     def stop(self) -> None:
-        """Finish: `control` will not be called again until the next start. One of the simulation's threads."""
+        """Finish: `control` is not called again before the next start. Called on a thread of the simulation."""
 
     def unconfigure(self) -> None:
-        """Leave the body: destroy the publishers and subscriptions that `configure` made. Main thread."""
+        """Leave the body: destroy the publishers and subscriptions that `configure` made. Called on the main thread."""

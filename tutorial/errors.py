@@ -48,7 +48,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 def printable(text: str) -> str:
     """Escape every invisible character of a text from outside, so that a terminal can print it safely.
 
-    Escaped are control characters, which a terminal would obey, characters that reverse the direction of writing, line
+    These are control characters, which a terminal would obey, characters that reverse the direction of writing, line
     ends and lone surrogates.
 
     Returns:
@@ -64,7 +64,7 @@ def printable(text: str) -> str:
 def printable_lines(text: str) -> str:
     """Escape invisible characters as `printable` does, but keep line ends and tabs.
 
-    Pass each part from outside through `printable` before you put it into such a text, or it could add lines.
+    Pass each part from outside through `printable` before you insert it; otherwise, it could add lines.
     """
     return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
@@ -76,10 +76,10 @@ def file_of(written: type) -> str:
 
 
 def describe_error(error: BaseException, file: str) -> str:
-    """Describe in one line an error that a file raised, with its innermost line in that file.
+    """Describe an error in one line, including the innermost line of a given file in its traceback.
 
     Args:
-        error: what was raised.
+        error: the exception.
         file: the path of the file that the reader can fix, or a kernel's name for a cell.
 
     Returns:
@@ -96,11 +96,11 @@ def describe_error(error: BaseException, file: str) -> str:
 
 
 def where(thread: threading.Thread, file: str = "") -> str:
-    """Return the line that a thread is executing, as the end of a message about a thread that does not return.
+    """Return the line that a thread is executing, to end a message about a thread that does not return.
 
     Args:
         thread: the thread.
-        file: if the thread is in this file, report the innermost line there; else the innermost line of all.
+        file: if the thread is in this file, report the innermost line there; otherwise the innermost line of all.
 
     Returns:
         For instance ``": it is at mine.py, line 8, in control"``; empty if the thread has ended.
@@ -116,6 +116,6 @@ def where(thread: threading.Thread, file: str = "") -> str:
 
 
 def _title(file: str) -> str:
-    """Name a file for the reader; "your cell" for a cell, whose file name in the kernel means nothing to a reader."""
+    """Return a file's name for the reader; "your cell" for a cell, whose name in the kernel means nothing to users."""
     path = Path(file)
     return "your cell" if path.parent.name.startswith("ipykernel_") else path.name

@@ -46,10 +46,10 @@ class Run:
         thread: the thread.
         is_own: whether the thread belongs to the run, and ends with it.
         controller: the controller that was called last and may still be running; None while MuJoCo steps.
-        laps: a counter that goes up between two steps, when no controller is running.
+        laps: a counter that increases between two steps, when no controller is running.
         stopping: set to ask the run to end.
         finished: set when the run has ended or was abandoned.
-        abandoned: whether somebody gave the run up. It must not touch the world any more.
+        abandoned: whether another thread gave up on the run, which must then no longer touch the world.
     """
 
     thread: threading.Thread
@@ -68,7 +68,7 @@ class Run:
         return run
 
     def is_mine(self) -> bool:
-        """Return whether the calling thread is this run's, so that the caller must be one of its controllers."""
+        """Return whether the calling thread is this run's thread, so that the caller must be one of its controllers."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
@@ -100,16 +100,16 @@ class SteppedWorld:
     Args:
         placements: the bodies.
         controllers: pairs of a body's name ("" for the world) and a controller, in the order of the calls.
-        time_step: [s].
+        time_step: the time step [s].
         find_camera: finds a camera of a simulated body, see `Body`; None for a world without pictures.
 
     Attributes:
         model: the composed MuJoCo model.
-        data: its state; it belongs to the thread that steps.
+        data: the model's state, which belongs to the thread that steps.
         time_step: as given.
         bodies: the simulated bodies by name.
         step: the number of simulated steps.
-        initialized: whether the controllers were initialized, and not dismissed since.
+        initialized: whether the controllers have been initialized, and not dismissed since.
 
     Raises:
         TutorialError: the bodies cannot form a world.
@@ -141,7 +141,7 @@ class SteppedWorld:
         return Snapshot(self.time, self.data.qpos.copy())
 
     def initialize(self, run: Run) -> None:
-        """Initialize every controller, unless that was done. If one fails, stop those that are ready.
+        """Initialize every controller, unless they already are. If one fails, stop the initialized ones.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -190,7 +190,7 @@ class SteppedWorld:
                 run.laps += 1
         except BaseException as error:
             if run.controller is None and not isinstance(error, Exception):
-                raise  # the reader's Ctrl-C, between two controllers
+                raise  # the user pressed Ctrl-C between two controllers
             raise self.controller_error(run, error) from error
         return True
 
@@ -206,17 +206,17 @@ class SteppedWorld:
         return leaving
 
     def stop_controllers(self, run: Run, controllers: Iterable[SimpleController]) -> ControllerError | None:
-        """Stop the controllers one by one. Log a failure, and go on with the next.
+        """Stop the controllers one by one. Log each failure, and continue with the next controller.
 
         Returns:
-            The last error; None if none failed.
+            The last error; None if no controller failed.
         """
         failed = None
         for controller in controllers:
             run.controller = controller
             try:
                 controller.stop()
-            except BaseException as error:  # noqa: BLE001 - the others still have to stop
+            except BaseException as error:  # noqa: BLE001 - the other controllers still have to stop
                 failed = self.controller_error(run, error)
                 _log.error("%s", failed, exc_info=error)
             if run.abandoned:

@@ -44,13 +44,13 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.
-        time_step: the simulation's [s]; None to use the models'.
+        time_step: the simulation's time step [s]; None to use the models' time steps.
 
     Returns:
         The compiled model.
 
     Raises:
-        TutorialError: a model does not load, or the world does not compile; the text quotes MuJoCo's reason.
+        TutorialError: a model cannot be loaded, or the world cannot be compiled; the error quotes MuJoCo's reason.
     """
     world, unused = _make_world(placements, time_step)
     try:
@@ -68,7 +68,7 @@ def world_spec(placements: Iterable[Placement], time_step: float | None = None) 
     """Return the spec that `compose` compiles, for the same arguments.
 
     Raises:
-        TutorialError: a model does not load; the text quotes MuJoCo's reason.
+        TutorialError: a model cannot be loaded; the error quotes MuJoCo's reason.
     """
     return _make_world(placements, time_step)[0]
 
@@ -93,7 +93,7 @@ def _make_world(placements: Iterable[Placement], time_step: float | None) -> tup
 def _read(path: Path) -> mujoco.MjSpec:
     """Read a model: an MJCF file or a URDF."""
     try:
-        str(path).encode()  # MuJoCo only takes names in UTF-8
+        str(path).encode()  # MuJoCo accepts only names in UTF-8
         with no_python_warnings():
             spec = read_urdf(path)
             return mujoco.MjSpec.from_file(str(path)) if spec is None else spec

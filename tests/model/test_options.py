@@ -105,7 +105,7 @@ def test_agreeing_models(world, caplog):
 def test_disagreeing_models(world, caplog, contents, said):
     opt, own = world(*contents).opt, world("").opt
     assert [getattr(opt, name) == pytest.approx(getattr(own, name)) for name in OPTIONS] == [True] * len(OPTIONS)
-    assert caplog.messages == [f"{SAID}{said}. Set them alike in all models, or in none."]
+    assert caplog.messages == [f"{SAID}{said}. Set them to the same values in all models, or in none."]
 
 
 @pytest.mark.parametrize("content", ["", option(integrator="discrete"), option(integrator="Euler")])

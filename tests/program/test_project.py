@@ -120,7 +120,7 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got a text."),
         (body("controllers: [\n  TankControler]"), "line 3: there is no controller 'TankControler'. Did you mean 'T"),
         (body("name: Tank_2", "count: 3"), "line 3: there already is a body 'Tank_2'. Rename this one."),
-        (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, a letter"),
+        (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, starting"),
         (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic."),
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),

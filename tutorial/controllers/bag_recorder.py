@@ -28,7 +28,7 @@ class BagRecorder(SimpleController):
     folder = Path()  # of the bags: the current directory
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Open a bag, and start a thread that writes into it; then listen."""
+        """Open a bag, start a thread that writes into it, and subscribe."""
         self.node = config.node
         topic = self.node.resolve_topic_name(f"{config.body.name}/joint_state")
         self.bag, self.connection = open_bag(self.folder, topic)

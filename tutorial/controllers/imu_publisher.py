@@ -13,7 +13,7 @@ RATE = 20  # [Hz], in simulation time
 
 
 class ImuPublisher(SimpleController):
-    """Publish acceleration [m/s^2] and angular velocity [rad/s] at 20 Hz, averaged since the last message."""
+    """Publish the mean acceleration [m/s^2] and angular velocity [rad/s] since the last message, at 20 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher. Its topic is named after the body."""

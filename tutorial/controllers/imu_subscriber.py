@@ -29,7 +29,7 @@ class ImuSubscriber(SimpleController):
         self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10)
 
     def on_imu(self, message: Imu) -> None:  # executor's thread: post and return
-        """Hand every message to the main thread: a blow is an event, and must not get lost."""
+        """Hand every message to the main thread: a blow is an event, and must not be lost."""
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:  # main thread
@@ -55,7 +55,7 @@ class Shaker:
         self.timer: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Start shaking. If the body is already shaking, extend that at the same place."""
+        """Start shaking. If the body is already shaking, make it shake for longer, at the same place."""
         self.ends_at = asyncio.get_running_loop().time() + DURATION
         if self.timer is None:
             self.place = self.body.position

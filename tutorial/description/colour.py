@@ -9,7 +9,7 @@ from tutorial.body import SHOWN_GROUPS
 Array = NDArray[np.float64]
 
 _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
-"""MuJoCo's default colour of geoms. A geom with this colour takes its material's (``setMaterial`` in
+"""MuJoCo's default colour of geoms. A geom with this colour takes its material's colour (``setMaterial`` in
 ``engine_vis_visualize.c``)."""
 
 
@@ -24,6 +24,6 @@ def takes_material(model: mujoco.MjModel, geom: int) -> bool:
 
 
 def colour_of(model: mujoco.MjModel, geom: int) -> Array:
-    """Return red, green, blue and opacity of a geom, each 0 to 1, shape (4,), without textures."""
+    """Return a geom's red, green, blue and opacity, each from 0 to 1, shape (4,). Textures are ignored."""
     own = not takes_material(model, geom)
     return np.asarray(model.geom_rgba[geom] if own else model.mat_rgba[model.geom_matid[geom]], dtype=float)

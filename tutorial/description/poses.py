@@ -14,7 +14,7 @@ Matrix = NDArray[np.floating[Any]]
 NOTHING = 1e-12
 """Smaller numbers [m] or [rad] are rounding errors, and are written as 0."""
 GIMBAL_LOCK = 1e-9
-"""If the cosine of the pitch is smaller, roll and yaw turn about the same axis, and yaw is set to 0."""
+"""At a smaller cosine of the pitch, roll and yaw turn about the same axis, and yaw is set to 0."""
 
 
 def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
@@ -28,12 +28,12 @@ def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
 
 
 def shift(by: ArrayLike) -> Matrix:
-    """Make the pose of a translation, (3,) [m]."""
+    """Make the pose of a translation (3,) [m]."""
     return pose(by, (1.0, 0.0, 0.0, 0.0))
 
 
 def turn(axis: ArrayLike, angle: float) -> Matrix:
-    """Make the pose of a rotation by an angle [rad] about an axis through the origin, (3,)."""
+    """Make the pose of a rotation by an angle [rad] about an axis (3,) through the origin."""
     quaternion = np.empty(4)
     mujoco.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=float), angle)
     return pose((0.0, 0.0, 0.0), quaternion)
@@ -47,7 +47,7 @@ def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
     """Return the angles [rad] of a rotation (3, 3) about the fixed axes x, y and z, applied in this order."""
     (r00, r01, r02), (r10, r11, r12), (r20, _, _) = rotation[:, :3].tolist()
     yaw = 0.0 if hypot(r00, r10) < GIMBAL_LOCK else atan2(r10, r00)
-    cosine, sine = cos(yaw), sin(yaw)  # roll and pitch without the yaw, so that they make up for its rounding errors
+    cosine, sine = cos(yaw), sin(yaw)  # undone below, so that roll and pitch absorb its rounding errors
     roll = atan2(sine * r02 - cosine * r12, cosine * r11 - sine * r01)
     return roll, atan2(-r20, cosine * r00 + sine * r10), yaw
 

@@ -48,14 +48,14 @@ def _add(link: Element, tag: str, model: mujoco.MjModel, geom: int, shape: Shape
 
 
 def _material_name(model: mujoco.MjModel, geom: int) -> str:
-    """Return the material's name or, for a geom's own colour, a name made from it: equal names mean equal colours."""
+    """Return the material's name or a name made from the geom's own colour, so that equal names mean equal colours."""
     if takes_material(model, geom):
         return str(model.material(model.geom_matid[geom]).name.partition("/")[2])
     return "rgba_" + "".join(f"{round(255 * part):02x}" for part in colour_of(model, geom).clip(0, 1).tolist())
 
 
 def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shape]:
-    """Return a geom's URDF shapes: a cylinder and two spheres for a capsule, none if URDF has no such shape."""
+    """Return a geom's URDF shapes: a cylinder and two spheres for a capsule; empty if URDF has no such shape."""
     size, middle = model.geom_size[geom], np.eye(4)
     ball = {"radius": numbers(size[:1])}
     cylinder = ("cylinder", {**ball, "length": numbers(2 * size[1:2])}, middle)
@@ -76,8 +76,8 @@ def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shap
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
     """Return the mesh's file, if it has one in a format that other programs read.
 
-    MuJoCo moves a mesh so that its centre and principal axes become the geom's, so this inverts that movement. A
-    further movement in the model (``refpos``, ``refquat``) is not kept in a compiled model, and is missing here.
+    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame, so this inverts the movement. A
+    further offset (``refpos``, ``refquat``) is missing here, because a compiled model does not keep it.
     """
     mesh = model.geom_dataid[geom]
     start = model.mesh_pathadr[mesh]

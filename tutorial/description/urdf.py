@@ -1,8 +1,8 @@
 """A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and other programs read.
 
-The links are the model's bodies, in the same places. The movable joints are those in joint states. Names are the
-model's without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is renamed if a joint
-has the same name. Each sensor and camera has its own link, which is the frame of its messages.
+The links are the model's bodies, in the same places. The movable joints are the joints in joint states. Names are as in
+the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is renamed if a
+joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
 """
 
 import logging
@@ -35,10 +35,10 @@ _log = logging.getLogger(__name__)
 def robot_description(body: Body) -> str:
     """Return the URDF of a body.
 
-    Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing in joint
-    states are fixed in the model's initial position: those in hidden groups, ball joints, joints without a name. A
-    joint with a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top
-    counts all of these. If the description moves differently from the robot, a warning is logged, too.
+    Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing from joint states
+    are fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with
+    a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts all of
+    these. If the description moves differently from the robot, a warning is logged, too.
 
     Args:
         body: a displayed body, whose model contains nothing else.
@@ -135,7 +135,7 @@ class _Writer:
         """Add a link, and the joints that lead to it.
 
         URDF allows one joint between two links, with its axis through the child's frame. So this adds massless links
-        between joints, and on an axis that does not pass through the body's frame.
+        between joints, and one on the axis if it does not pass through the body's frame.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)
@@ -150,7 +150,7 @@ class _Writer:
         return self._add_fixed(parent, name, place)
 
     def _joints(self, number: int) -> list[int]:
-        """Return the MuJoCo ids of a body's movable joints; count those that are fixed."""
+        """Return the MuJoCo ids of a body's movable joints; count the fixed ones."""
         model, moving = self.model, []
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
@@ -242,9 +242,10 @@ class _Writer:
                 self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
-        """List omissions in a comment at the top, and log those that make the description move differently.
+        """List omissions in a comment at the top, and log the ones that make the description move differently.
 
-        The comment has no colon, as ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses it as YAML.
+        The comment contains no colon, because ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses it as
+        YAML.
         """
         missing = +(self.left_out + self.moves_otherwise)
         if missing:
@@ -254,7 +255,7 @@ class _Writer:
             _log.warning("the robot description of %s does not move as the robot does: %s", self.body.name, others)
 
     def _plain(self, name: str) -> str:
-        """Return a name as in the model's file, without the body's prefix."""
+        """Return a name as written in the model's file, without the body's prefix."""
         return name.removeprefix(f"{self.body.name}/")
 
     def _unused(self, kind: str, name: str) -> str:

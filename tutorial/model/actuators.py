@@ -92,7 +92,7 @@ def _title(model: mujoco.MjModel, joint: int) -> str:
 
 
 def _enabled(model: mujoco.MjModel, joint: int) -> list[int]:
-    """Return the actuators that can move a joint: those with a gear, in groups that the model does not disable."""
+    """Return the actuators that can move a joint: the ones with a gear, in groups that the model does not disable."""
     disabled = int(model.opt.disableactuator)
     groups = model.actuator_group.tolist()
     geared = [each for each in actuators_of(model, joint) if model.actuator_gear[each, 0]]
@@ -145,10 +145,10 @@ def _what(model: mujoco.MjModel, actuator: int) -> str:
 
 
 def _kind(model: mujoco.MjModel, actuator: int) -> str:
-    """Name the kind of an actuator."""
+    """Return the name of an actuator's kind."""
     dynamics, gain = Dyn(model.actuator_dyntype[actuator]), Gain(model.actuator_gaintype[actuator])
     _, stiffness, damping = _bias(model, actuator)
-    kinds = (  # the first match counts
+    kinds = (  # the first match is used
         (is_motor(model, actuator), "a motor"),
         (_has_plugin(model, actuator), "driven by a plugin"),
         (gain in KINDS, KINDS.get(gain, "")),

@@ -11,7 +11,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 NOBODY = -1
-"""The leader of a follower that is held at a constant position."""
+"""Stands for the leader of a follower that is held at a constant position."""
 
 NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
 """Equalities of links and tendons. They move joints, too, but no formula gives the position of a single joint."""
@@ -23,7 +23,8 @@ class Coupling(NamedTuple):
     Attributes:
         follower: MuJoCo's id of the joint that follows.
         leader: MuJoCo's id of the joint that it follows, or `NOBODY`.
-        polynomial: coefficients that give the follower's position [rad or m] from the leader's, the constant first.
+        polynomial: coefficients that give the follower's position [rad or m] as a function of the leader's position,
+            the constant first.
     """
 
     follower: int
@@ -31,7 +32,7 @@ class Coupling(NamedTuple):
     polynomial: tuple[float, ...]
 
     def position(self, leader: float) -> float:
-        """Compute the follower's position [rad or m] from the leader's."""
+        """Compute the follower's position from the leader's position [rad or m]."""
         position = 0.0
         for coefficient in reversed(self.polynomial):
             position = position * leader + coefficient
@@ -48,7 +49,7 @@ class Coupling(NamedTuple):
         return Coupling(self.leader, self.follower, (-offset / ratio, 1 / ratio))
 
     def after(self, other: Coupling) -> Coupling:
-        """Return a coupling to the leader of ``other``, which moves this one's leader; both are linear."""
+        """Return a coupling to the leader of ``other``, which moves this coupling's leader. Both must be linear."""
         (offset, ratio), (other_offset, other_ratio) = self.polynomial, other.polynomial
         return Coupling(self.follower, other.leader, (offset + ratio * other_offset, ratio * other_ratio))
 
@@ -60,10 +61,10 @@ class Followers:
 
     Args:
         model: the model.
-        prefix: the prefix of the names of the body's joints in the model.
+        prefix: the start of the body's joint names in the model, such as ``Tank/``.
 
     Attributes:
-        names: the names, without the prefix, of the joints that follow joints with known positions.
+        names: the joints that follow joints with known positions, by their names without the prefix.
     """
 
     def __init__(self, model: mujoco.MjModel, prefix: str) -> None:
@@ -104,7 +105,7 @@ class Followers:
 
 
 def couplings_of(model: mujoco.MjModel) -> list[Coupling]:
-    """Return a model's couplings of joints that are active at the start."""
+    """Return the couplings between a model's joints that are active at the start."""
     joint_equalities = (i for i in active_equalities(model) if model.eq_type[i] == mujoco.mjtEq.mjEQ_JOINT)
     return [_coupling(model, equality) for equality in joint_equalities]
 
@@ -116,7 +117,7 @@ def active_equalities(model: mujoco.MjModel) -> list[int]:
 
 
 def not_computed(model: mujoco.MjModel) -> list[str]:
-    """Return the kinds, as named in MJCF, of the active equalities that only a simulation can satisfy."""
+    """Return the MJCF names of the kinds of active equalities that only a simulation can satisfy."""
     kinds = {mujoco.mjtEq(model.eq_type[each]).name for each in active_equalities(model)}
     return [kind.removeprefix("mjEQ_").lower() for kind in NOT_COMPUTED if kind in kinds]
 
@@ -124,8 +125,8 @@ def not_computed(model: mujoco.MjModel) -> list[str]:
 def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling]:
     """Find the couplings that determine the joints with unknown positions.
 
-    A linear coupling also works backwards, from its follower to its leader. If several couplings determine a joint,
-    the first one counts.
+    A linear coupling also works backwards, from its follower to its leader. If several couplings determine a joint, the
+    first one is used.
 
     Args:
         couplings: the couplings of a model.

@@ -22,7 +22,7 @@ _log = logging.getLogger(__name__)
 
 
 class _MujocoWarns:
-    """Logs MuJoCo's warnings, at most one line per `WARN_EVERY`. Any thread."""
+    """Logs MuJoCo's warnings, at most one line per `WARN_EVERY`. Thread-safe."""
 
     def __init__(self) -> None:
         self._unsaid = 0

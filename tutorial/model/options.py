@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 TIME_STEP = 0.001  # [s]
-GRAVITY = (0.0, 0.0, -9.80665)  # [m/s^2] as in the original
+GRAVITY = (0.0, 0.0, -9.80665)  # [m/s^2], as in the original tutorial
 
 OPTIONS = (
     *("timestep", "impratio", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance"),
@@ -36,16 +36,16 @@ Models = Mapping[Path, mujoco.MjSpec]
 
 
 def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]], time_step: float | None) -> str:
-    """Set a world's options to those of its models, and then those of each model, so that it can be attached.
+    """Set a world's options from its models, and copy them to each model, so that it can be attached.
 
-    An option counts if the models that set it agree. If they do not, or if no model sets it, the world has its own: the
-    original's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag, such as the one for
-    contacts, and a disabled group of actuators count only if all models set them.
+    An option is used if the models that set it agree. If they do not, or if no model sets it, the world uses its own:
+    the original tutorial's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag, such
+    as ``contact``, or a disabled group of actuators is used only if all models set it.
 
     Args:
         world: the world, whose options this function sets.
         parts: the file and the content of each model. This function sets the options of the content, too.
-        time_step: the world's [s], which overrides the models'; None uses theirs.
+        time_step: the world's time step [s], which overrides the models' time steps; None to use them.
 
     Returns:
         A description of the models' options that are not used; empty if all are used.
@@ -53,7 +53,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
     models = dict(parts)
     specs = [spec for _, spec in parts]
     world.option.timestep, world.option.gravity = TIME_STEP, GRAVITY
-    if not any(spec.flexes for spec in specs):  # it does not support soft bodies
+    if not any(spec.flexes for spec in specs):  # implicitfast does not support soft bodies
         world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     unused = [*_set_values(world, models, time_step), *_set_flags(world, models), *_set_actuator_groups(world, models)]
     for size in SIZES:
@@ -67,7 +67,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
         return ""
     return (
         f"The models contradict each other in options that belong to the whole world: {'; '.join(unused)}. "
-        "Set them alike in all models, or in none."
+        "Set them to the same values in all models, or in none."
     )
 
 
@@ -90,7 +90,7 @@ def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
         ("disableflags", mujoco.mjtDisableBit, "enable", "disable"),
         ("enableflags", mujoco.mjtEnableBit, "disable", "enable"),
     ):
-        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # skips their number
+        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # skips the flags' count
         for name, bit in flags:
             if partly := _set_bit(world, models, field, bit):
                 flag = f"flag {name.partition('_')[2].lower()}"
@@ -98,7 +98,7 @@ def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
 
 
 def _set_actuator_groups(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
-    """Disable the groups of actuators that all models disable. Describe those that only some models disable."""
+    """Disable the groups of actuators that all models disable. Describe the groups that only some models disable."""
     for group in range(31):
         if partly := _set_bit(world, models, "disableactuator", 1 << group):
             yield _contradiction("actuatorgroupdisable", "empty", dict.fromkeys(partly, str(group)))

@@ -28,7 +28,7 @@ SETTINGS = {
 """These settings keep all links and shapes, and correct physically impossible inertias."""
 
 VISUAL, HIDDEN = 1, 3
-"""MuJoCo's group for the visuals of a URDF, and a hidden group."""
+"""The group that MuJoCo gives to a URDF's visuals, and a group that viewers hide."""
 
 PACKAGE = ("package", "model")
 """URL schemes of files in a package's folder."""
@@ -37,8 +37,8 @@ PACKAGE = ("package", "model")
 def read_urdf(path: Path) -> mujoco.MjSpec | None:
     """Read a robot description. The view shows its visuals, or its collision shapes if it has no visuals.
 
-    A mesh's address can begin with ``package://``. The package's folder is searched for by its name or its
-    ``package.xml``, from the file's folder upwards, and by its name in AMENT_PREFIX_PATH.
+    A mesh's address can begin with ``package://``. The package's folder is found by its name or its ``package.xml``,
+    from the file's folder upwards, or by its name in AMENT_PREFIX_PATH.
 
     Args:
         path: the file, with any suffix.
@@ -47,7 +47,7 @@ def read_urdf(path: Path) -> mujoco.MjSpec | None:
         The model; None if the file is not a URDF.
 
     Raises:
-        TutorialError: the file is a xacro file, or a mesh is missing or in a format that MuJoCo does not read.
+        TutorialError: the file is a xacro file, or a mesh is missing or in a format that MuJoCo cannot read.
         ValueError: MuJoCo rejects the file.
     """
     robot = _parse(path)
@@ -110,7 +110,7 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
         package, _, inside = rest.partition("/")
         candidates = [place / inside for place in _package_folders(package, folder)]
         missing = (
-            f"No folder {package!r} above or beside the model, or in AMENT_PREFIX_PATH, has it. "
+            f"No folder {package!r} above or beside the model, or in AMENT_PREFIX_PATH, contains it. "
             "Put the package's folder beside the model, or write the mesh's path into the model."
         )
     else:
@@ -151,7 +151,7 @@ def _is_file(path: Path) -> bool:
 
 
 def _drop_repeated_names(robot: Element) -> None:
-    """Keep each shape name only once: URDF allows a visual and a collision to share a name, MuJoCo doesn't."""
+    """Keep each shape name only once: URDF lets a visual and a collision share a name, but MuJoCo doesn't."""
     taken = set[str]()
     for shape in (*robot.iterfind("link/visual"), *robot.iterfind("link/collision")):
         name = shape.attrib.pop("name", "")

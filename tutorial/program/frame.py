@@ -6,7 +6,7 @@ from tutorial.errors import TutorialError
 from tutorial.program.item import Item
 from tutorial.view.bodies import View
 
-FEW = 3  # bodies; if there are more, only faulty ones get a line
+FEW = 3  # with more bodies than this, only the faulty ones get a line
 
 
 def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseException | None) -> None:
@@ -36,7 +36,8 @@ def _describe_error(error: BaseException | None) -> str:
 def _describe_bodies(view: View, items: Mapping[str, Item]) -> tuple[list[str], list[tuple[str, ...]]]:
     """Return a line about each body's messages, and rows with its sensors' measurements.
 
-    For more than `FEW` bodies, return the number of bodies in order, and a line for each of the first few others.
+    For more than `FEW` bodies, count the ones that follow their messages, and return a line for each of the first few
+    others.
     """
     watches = [item.joints for item in items.values()]
     fleet = [watch for watch in watches if watch.meters or watch.in_order]

@@ -14,10 +14,10 @@ from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and between two queries of the publishers
-STALE_AFTER = 1.0  # [s] without a new position; then the view marks a joint as stale
-CONTESTED_FOR = 2.0  # [s] how long the line below the view names a rival after its last message
-NAMED = 3  # stale joints or nodes; more are only counted
-LONGEST_NAME = 60  # characters of a node's name
+STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as stale
+CONTESTED_FOR = 2.0  # [s] for which the line below the view names a rival after its last message
+NAMED = 3  # number of stale joints or nodes to name; more are only counted
+LONGEST_NAME = 60  # characters of a node's name to show, at most
 
 _log = logging.getLogger(__name__)
 
@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 class JointWatch:
     """Watches the joint states that move one body: counts them, and reports their faults and rival publishers.
 
-    It receives the report of every change of the body. It belongs to the main thread.
+    It receives a report on every change to the body. It belongs to the main thread.
 
     Args:
         body: the displayed body.
@@ -53,7 +53,7 @@ class JointWatch:
         body.on_change(self.take)
 
     def take(self, report: JointReport | None) -> None:
-        """Process the matching report of one message. A change without a message has none, and is ignored."""
+        """Process the report on one message. Ignore a change without a message, which has no report."""
         if report is None:
             return
         self.tally.update(report.counts())
@@ -126,7 +126,7 @@ class JointWatch:
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
-                self._publishers = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
+                self._publishers = f"{len(nodes)} nodes publish on {topic}, one is followed: {printable(_some(names))}"
                 if self._publishers != before:
                     _log.warning("%s: %s", self._body.name, self._publishers)
 
@@ -142,11 +142,11 @@ class Item:
     Attributes:
         body: the displayed body.
         controllers: the controllers that have joined it.
-        joints: watches its joint states.
+        joints: the watch on its joint states.
         failed: whether a controller failed in ``unconfigure``.
 
     Raises:
-        TutorialError: the model does not load.
+        TutorialError: the model cannot be loaded.
     """
 
     def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue) -> None:
@@ -192,7 +192,7 @@ class Item:
             controller = self.controllers.pop(0)
             try:
                 controller.unconfigure()
-            except (Exception, SystemExit):  # noqa: BLE001 - the others still have to leave
+            except (Exception, SystemExit):  # noqa: BLE001 - the other controllers still have to leave
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
                 self.failed = True
 

@@ -70,7 +70,7 @@ class Project:
     Attributes:
         path: the project file.
         bodies: the bodies.
-        time_step: the simulation's [s]; None for a program that only displays.
+        time_step: the simulation's time step [s]; None for a program that only displays.
         clock: whether the simulation publishes its time on ``/clock``.
     """
 
@@ -88,7 +88,7 @@ class Project:
 
         Raises:
             TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; the
-                text names the line and the fix.
+                error names the line and the fix.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         items: dict[str, BodyItem] = {}
@@ -106,8 +106,8 @@ class Project:
             model: its MJCF or URDF file; the body gets the file's name, capitalised.
 
         Raises:
-            TutorialError: no body or more than one has controllers, the model does not load, or a body cannot have its
-                name.
+            TutorialError: no body or more than one has controllers, the model cannot be loaded, or a body cannot have
+                its name.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
@@ -115,14 +115,14 @@ class Project:
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
         name = model.stem.capitalize()
-        compose([Placement(name, model)])  # raises MuJoCo's error if the model does not load
+        compose([Placement(name, model)])  # raises MuJoCo's error if the model cannot be loaded
         if unfit := _unfit(name):
             raise TutorialError(f"{model}: the body is named after the file, and {unfit}")
         swapped = replace(robots[0], placement=replace(robots[0].placement, name=name, model=model))
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Return a project with these controllers for a body, instead of those that the file names.
+        """Return a project in which a body has these controllers instead of the ones that the file names.
 
         Args:
             body: the body's name.
@@ -140,13 +140,13 @@ class Project:
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Return a project with a user's controllers in place of those of the same names.
+        """Return a project in which a user's controllers replace the ones with the same names.
 
         Args:
             classes: the classes by name. Base classes of other classes can have any name.
 
         Raises:
-            TutorialError: the project has no controller of that name; the text suggests the nearest name.
+            TutorialError: the project has no controller of that name; the error suggests the nearest name.
         """
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
@@ -158,7 +158,7 @@ class Project:
         )
 
     def tree(self) -> str:
-        """Return the items as text, like the original's item tree; a fleet is one item."""
+        """Return the items as text, like the original tutorial's item tree; a fleet is one item."""
         indent = "" if self.time_step is None else "  "
         lines = []
         for _, alike in groupby(self.bodies, key=_fleet):
@@ -175,7 +175,7 @@ class Project:
 
 
 def _origin(controller: type[SimpleController]) -> str:
-    """Return the name of the file that defines a user's controller, in parentheses; empty for the library's."""
+    """Return the name of the file that defines a user's controller, in parentheses; empty for a library controller."""
     file = getattr(sys.modules.get(controller.__module__), "__file__", None)
     return "" if file is None or Path(file).is_relative_to(PACKAGE) else f" ({Path(file).name})"
 
@@ -187,7 +187,7 @@ def _fleet(item: BodyItem) -> tuple[object, ...]:
 
 
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
-    """Return the body or the fleet that one entry of a file describes, by name. Errors name the line."""
+    """Return the body that one entry of a file describes, or each body of its fleet, by name. Errors name the line."""
     at = partial(file.at, "bodies", index)
     with at("name"):
         if unfit := _unfit(body.name):
@@ -208,7 +208,7 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Co
 def _unfit(name: str) -> str:
     """Return why a body cannot have this name; empty if it can."""
     if not (name.isascii() and name.isidentifier() and name[0] != "_"):
-        return f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first."
+        return f"{name!r} cannot be part of a topic. Use letters, digits and _, starting with a letter."
     return ""
 
 
@@ -222,7 +222,7 @@ def _find_model(folder: Path, given: str) -> Path:
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
-    """Return positions in rows, each filled from left to right, the next row in front, as seen along x."""
+    """Return positions in rows. Seen along x, each is filled from left to right, in front of the previous one."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     x, y, z = middle

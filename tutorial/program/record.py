@@ -20,14 +20,14 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
 
     Args:
         node: its node's name.
-        seconds: how long it ran [s]; simulated time if it simulates.
+        seconds: how long it ran [s], in simulated time if it simulates.
         meters: the node's meters.
         items: the displayed bodies.
 
     Returns:
         A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint has its
-        last published position, else its displayed one [rad or m]. A topic has the counts ``published``, ``received``
-        or both. If it has both, its rate and latency are for receiving.
+        last published position, or else its displayed position [rad or m]. A topic has the counts ``published``,
+        ``received`` or both. If it has both, its rate and latency describe the received messages.
     """
     joints = {joint.name: joint.position for item in items for joint in item.body.joints}
     for meter in meters:
@@ -60,7 +60,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
         directory.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
     except OSError as error:
-        raise TutorialError(f"the report {path} cannot be written: {error.strerror}. Give another DIR.") from error
+        raise TutorialError(f"the report {path} cannot be written: {error.strerror}. Give a different DIR.") from error
     return path
 
 

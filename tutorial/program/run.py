@@ -1,4 +1,4 @@
-"""Decides when a program's run is over: when its simulation stops, or, if it only displays, after its time."""
+"""Decides when a program's run is over: when its simulation stops or, if it only displays, after its duration."""
 
 import logging
 import time
@@ -9,8 +9,8 @@ from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
 FRAME = 1 / 30  # [s] between two frames of the view, and between two checks whether a run is over
-HUNG = 5.0  # [s] without a step; then a run with a duration is stopped
-QUIET = 0.3  # [s] of silence; then no more messages are expected
+HUNG = 5.0  # [s] without a step before a run with a duration is stopped
+QUIET = 0.3  # [s] of silence after which no more messages are expected
 
 _log = logging.getLogger(__name__)
 
@@ -27,7 +27,7 @@ class SimulatedRun:
     simulation: Simulation
     has_duration: bool
     _step: int = 0  # the step at the last call of `is_over`
-    _still: int = 0  # frames without a step; not seconds, which also pass while the whole process sleeps
+    _still: int = 0  # frames without a step; seconds would also pass while the whole process is suspended
 
     def is_over(self) -> bool:
         """Return whether the simulation has stopped. Call it once every frame."""
@@ -46,7 +46,7 @@ class DisplayedRun:
     Args:
         node: the program's node.
         calls: the main thread's queue of posted calls.
-        duration: [s]; None for no limit.
+        duration: the run's duration [s]; None for no limit.
         linger: the longest wait after the duration [s] for the publishers to leave and their messages to be shown.
 
     Attributes:
@@ -68,7 +68,7 @@ class DisplayedRun:
         return self.seconds >= self.duration + self.linger or self._is_drained()
 
     def _is_drained(self) -> bool:
-        """Return whether all publishers have come and gone, and all their messages are shown."""
+        """Return whether all publishers have joined and left, and all their messages have been shown."""
         received = [meter for meter in self.node.meters if meter.direction == "received"]
         return (
             not any(self.node.count_publishers(meter.topic) for meter in received)

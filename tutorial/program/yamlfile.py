@@ -64,7 +64,7 @@ class YamlFile(Generic[T]):
         data: the file's content.
 
     Raises:
-        TutorialError: the file is missing, is not YAML, or does not fit the type; the text names the line and the fix.
+        TutorialError: the file is missing, is not YAML, or does not fit the type; the error names the line and the fix.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:
@@ -102,7 +102,7 @@ class YamlFile(Generic[T]):
     def _parse(self, text: str) -> tuple[yaml.Node, Any]:
         """Parse the file twice: into nodes, which know their lines, and into their values."""
         try:
-            root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # an empty file lacks every field
+            root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # an empty file has no fields
             return root, _Loader("").construct_document(root)
         except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
             mark = getattr(error, "problem_mark", None)

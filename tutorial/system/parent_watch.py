@@ -53,7 +53,7 @@ def start_watched(
     Raises:
         OSError, TypeError, ValueError: it cannot be started with these arguments.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)  # the child inherits this, and unblocks them itself
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)  # the child inherits this mask, and resets it
     try:
         return subprocess.Popen(
             [sys.executable, "-S", "-I", __file__, *words],
@@ -86,7 +86,7 @@ def signal_group(pid: int, number: int) -> bool:
 def _begin(program: str, early: set[int]) -> None:
     """Restore the command's signals, and send it each signal that arrived before it was started.
 
-    ``tank`` unblocks SIGINT itself, because until it is ready Python would answer it with a traceback.
+    ``tank`` unblocks SIGINT itself, because Python would react with a traceback until the command is ready.
     """
     for each in STOP_SIGNALS:
         signal.signal(each, signal.SIG_DFL)

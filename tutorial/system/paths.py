@@ -1,9 +1,9 @@
 """Finds the tutorial's files: projects, launch files, notebooks, drives, models.
 
 A folder that holds them is a *course folder*. There are three kinds: a checkout; the folder in an installed package,
-which is never written to; and a learner's copy of that, made by ``tank lab``. A process chooses one at its start: the
-nearest course folder from the current directory upwards; else the checkout that contains the package; else the folder
-in the package.
+which is never written to; and a learner's copy of that folder, made by ``tank lab``. A process chooses one when it
+starts: the nearest course folder from the current directory upwards; else the checkout that contains the package; else
+the folder in the package.
 """
 
 import os
@@ -29,7 +29,7 @@ SHIPPED = PACKAGE / "_files"
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a path is a file. A user may have written it: one that is too long or malformed is not a file."""
+    """Return whether a path that a user may have written is a file; False if it is too long or malformed."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for an invalid path
 
 
@@ -54,7 +54,7 @@ def is_course(folder: Path) -> bool:
 
 
 def is_ours(folder: Path) -> bool:
-    """Return whether this user or root owns a folder. The code in a course folder is run, so a stranger's won't do."""
+    """Return whether this user or root owns a folder. Code in a course folder is run, so its owner must be trusted."""
     return folder.stat().st_uid in (os.getuid(), ROOT)
 
 
@@ -66,7 +66,7 @@ def find_project(given: str) -> Path:
     """Find a project file by its path, or by the name of a tutorial project, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such project; the text suggests the nearest name.
+        TutorialError: there is no such project; the error suggests the nearest name.
     """
     return _find(given, HOME / "project", ".yaml", "project")
 
@@ -75,7 +75,7 @@ def find_drive(given: str) -> Path:
     """Find a drive file by its path, or by the name of a tutorial drive, such as ``tour``.
 
     Raises:
-        TutorialError: there is no such drive; the text suggests the nearest name.
+        TutorialError: there is no such drive; the error suggests the nearest name.
     """
     return _find(given, HOME / "project" / "drives", ".yaml", "drive")
 
@@ -84,7 +84,7 @@ def find_launch_file(given: str) -> Path:
     """Find a launch file by its path, or by the name of a tutorial launch file, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such launch file; the text suggests the nearest name.
+        TutorialError: there is no such launch file; the error suggests the nearest name.
     """
     return _find(given, HOME / "launch_py", ".launch.py", "launch file")
 
@@ -93,7 +93,7 @@ def find_model(given: str) -> Path:
     """Find a model by its path, or by the name of a tutorial model, ``tank`` or, like the body, ``Tank``.
 
     Raises:
-        TutorialError: there is no such model; the text suggests the nearest name.
+        TutorialError: there is no such model; the error suggests the nearest name.
     """
     if given.lower().endswith((".xml", *OTHER_MODELS)) and is_file(Path(given)):
         return Path(given)

@@ -57,7 +57,7 @@ class Program:
             self._start(name, find_controller(name))
 
     def run(self, source: str) -> str:
-        """Replace the previous controller with the visitor's; return the error message, or "" if there is none."""
+        """Replace the previous controller with the visitor's controller; return the error message or ""."""
         self._file.write_text(source)
         return self._attempt(self._replace)
 
