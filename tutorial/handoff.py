@@ -53,12 +53,12 @@ class Latest(Generic[T]):
         self._value = value
 
     def put(self, value: T) -> None:
-        """Replace the value. Any thread."""
+        """Replace the value. Thread-safe."""
         with self._lock:
             self._value = value
 
     def get(self) -> T:
-        """Return the newest value. Any thread."""
+        """Return the newest value. Thread-safe."""
         with self._lock:
             return self._value
 
@@ -126,7 +126,7 @@ class CallQueue:
         return True
 
     def _warn_if_busy(self) -> None:
-        """Warn once if many calls wait, or if one has waited too long. Any thread."""
+        """Warn once if many calls wait, or if one has waited too long. Thread-safe."""
         with self._lock:
             if self._warned or not self._waiting:
                 return
@@ -138,7 +138,7 @@ class CallQueue:
         _log.warning(BUSY, count, waited, first.scope.owner)
 
     def _turn(self) -> None:
-        """Run the calls that wait now; calls posted meanwhile get the next turn. Main thread."""
+        """Run the calls that wait now; calls posted meanwhile get the next turn. Main thread only."""
         try:
             self._warn_if_busy()
             for _ in range(len(self._waiting)):
@@ -171,7 +171,7 @@ class CallScope:
         self.closed = False
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Have the main thread run ``function(*args)``. No call is lost, and their order is kept. Any thread."""
+        """Have the main thread run ``function(*args)``. No call is lost, and their order is kept. Thread-safe."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
         self.queue._post(call, call)  # a unique key, so it replaces nothing

@@ -224,7 +224,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         return simulated or self._ros.error or self._cameras.error or self._calls.error
 
     def forget_errors(self) -> None:
-        """Clear the note, and all errors but the simulation's. Each `run` begins with this. Main thread."""
+        """Clear the note, and all errors but the simulation's. Each `run` begins with this. Main thread only."""
         self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
