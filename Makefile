@@ -11,7 +11,7 @@ PYTEST_ARGS ?=
 PYTEST := $(BIN)/python -m pytest
 SIDE_BY_SIDE := -n auto --no-loadscope-reorder
 SLOW := process or browser or build
-APART := ros2 or nightly
+APART := screen or ros2 or nightly
 PROXY := configurable-http-proxy@5.3.0
 USERS ?= 30
 RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
@@ -21,7 +21,7 @@ LESSON := tests/ros/pocket tests/controllers tests/checks tests/course/test_note
 export PYTHONDONTWRITEBYTECODE :=  # compile modules once, not in each of hundreds of processes
 unexport MAKEFLAGS  # or ninja, which tests start, would join make's job server
 
-.PHONY: help book wheel demo ros test test-all test-slow test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps comparison screenshots lab hub hub-load install bench soak mutants lint clean
+.PHONY: help book wheel demo ros test test-all test-slow test-screen test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps comparison screenshots lab hub hub-load install bench soak mutants lint clean
 
 demo: install ## all of step 3: joystick, simulation and viewer [DURATION=20]
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -36,10 +36,13 @@ test: install ## the single-process tests and the notebooks: a few minutes [PYTE
 	$(PYTEST) $(if $(PYTEST_ARGS),,$(SIDE_BY_SIDE)) -m "not ($(SLOW) or $(APART))" $(PYTEST_ARGS)
 	@echo "Left out: tests that start processes, a browser or a build (make test-all), and tests that need a real ROS 2 (make test-ros2)."
 
-test-all: test test-slow ## also the tests that start processes, a browser or a build
+test-all: test test-slow test-screen ## also the tests that start processes, a browser or a build
 
 test-slow: install ## only the tests that start processes, a browser or a build
 	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
+
+test-screen: install ## only the tests that look at a page over time, with nothing else on the machine
+	$(PYTEST) -n 2 -m screen tests
 
 test-ros2: $(ON_ROS2) ## the tests that need a real ROS 2: that of make ros, and that of TANK_REAL_ROS2 if it is set
 

@@ -9,7 +9,7 @@ from programs import Program
 
 import tutorial  # noqa: F401
 
-LANES = ("process", "browser", "build", "ros2", "nightly")
+LANES = ("process", "browser", "build", "screen", "ros2", "nightly")
 """The marks of tests that may start processes. pyproject.toml explains each mark, and the Makefile shows which command
 runs it."""
 

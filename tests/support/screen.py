@@ -7,11 +7,11 @@ from pathlib import Path
 
 import nbformat
 from lab import Notebook
-from loops import TIMEOUT, until
+from loops import until
 
 SEE = "**What you should see:**"
-HALF = 0.5  # the visible share from which a view counts as on the screen
-GLANCE = 0.1  # [s] between two glances
+HALF = 0.5  # of its area: then it counts as on the screen
+GLANCE = 0.1  # [s] from one glance to the next
 TOO_LONG = 3  # glances in which something moved off the screen
 NAMES = """
 const WIDGET = "application/vnd.jupyter.widget-view+json";
@@ -62,8 +62,6 @@ LOOK = """([number, isStart]) => {
     const isDrawn = drawn.length >= widgets.length && curtains.every((curtain) => curtain.hidden);
     return [sights, isDrawn];
 }"""
-IDLE = "() => new Promise((resolve) => requestIdleCallback(resolve, {timeout: 1000}))"
-"""Lets the page do its own work first: a busy page that is polled all the time never handles the kernel's messages."""
 HEIGHT = """([first, said]) => {
     const panel = document.querySelector(".jp-NotebookPanel:not(.lm-mod-hidden) .jp-WindowedPanel-outer");
     const cells = [...panel.querySelectorAll(".jp-Cell")].map((cell) => [Number(cell.dataset.windowedListIndex), cell]);
@@ -75,7 +73,7 @@ HEIGHT = """([first, said]) => {
     const line = words.find((word) => word.textContent.startsWith("What you should see"));
     return [line.getBoundingClientRect().bottom - top, panel.clientHeight];
 }"""
-"""The heights of the part from the cells' last widgets to *What you should see*, and of the screen [px]."""
+"""From the top of the last widgets in these cells to the line that says what to see, and of the screen [px]."""
 
 
 @dataclass
@@ -83,7 +81,7 @@ class Sight:
     """A 3D view on the page.
 
     Attributes:
-        name: the view's name; a view may be shown several times.
+        name: of the view; it may be shown several times.
         share: how much of it is on the screen, 0 to 1.
         has_moved: whether something in it has moved since the cell was started.
         moves: whether something in it has moved since the last glance.
@@ -110,26 +108,29 @@ class Learner:
     """Somebody who presses Shift+Enter, waits for the cell, and looks.
 
     Args:
-        notebook: the open notebook, at its beginning.
+        notebook: it is open, and at its beginning.
         path: its file.
 
     Attributes:
-        missed: the effects off the screen, a line each.
+        missed: what happened off the screen, a line each.
     """
 
     def __init__(self, notebook: Notebook, path: Path) -> None:
         self.missed: list[str] = []
         self._notebook = notebook
-        self._has_motion = False  # in the last cell
         self._described = {cells[-1]: cells for cells in described_cells(path) if cells}
 
     async def run_cell(self, number: int) -> None:
         """Run the next cell, and note the effects off the screen. A view that already moves is not an effect."""
-        moving = await self._moving(number)
+        await self._look(number)
+        await asyncio.sleep(GLANCE)
+        before, _ = await self._look(number, is_start=True)
+        moving = {sight.name for sight in before if sight.moves}
         await self._notebook.page.keyboard.press("Shift+Enter")
         unseen: dict[str, int] = {}
 
         async def is_drawn() -> bool:
+            await asyncio.sleep(GLANCE)
             sights, drawn = await self._look(number)
             for name in {sight.name for sight in sights if sight.moves} - _on_screen(sights):
                 unseen[name] = unseen.get(name, 0) + 1
@@ -139,32 +140,20 @@ class Learner:
             await is_drawn()
             return not await self._notebook.is_busy()
 
-        await until(has_run, f"cell {number} to be done", 2 * TIMEOUT)
+        await until(has_run, f"cell {number} to be done")
         assert await self._notebook.errors() == []
-        await until(is_drawn, f"what cell {number} shows to be drawn", 2 * TIMEOUT)
+        await until(is_drawn, f"what cell {number} shows to be drawn")
         sights, _ = await self._look(number)
         gone = {sight.name for sight in sights if sight.has_moved} - _on_screen(sights)
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
         gone -= moving
-        self._has_motion = any(sight.has_moved for sight in sights)
         self.missed += [f"cell {number} moves what is not on the screen: {name}" for name in sorted(gone)]
         if cells := self._described.get(number):
             height, screen = await self._notebook.page.evaluate(_with_names(HEIGHT), [cells.start, cells.stop])
             if height > screen:
                 self.missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
 
-    async def _moving(self, number: int) -> set[str]:
-        """Return the views that already move. A busy machine draws rarely: look for a second if any moved."""
-        await self._look(number)
-        moving: set[str] = set()
-        for _ in range(10 if self._has_motion else 1):
-            sights, _ = await self._look(number, is_start=True)
-            moving |= {sight.name for sight in sights if sight.moves}
-        return moving
-
     async def _look(self, number: int, is_start: bool = False) -> tuple[list[Sight], bool]:
-        await asyncio.sleep(GLANCE)
-        await self._notebook.page.evaluate(IDLE)
         sights, drawn = await self._notebook.page.evaluate(_with_names(LOOK), [number, is_start])
         return [Sight(**sight) for sight in sights], drawn
 
