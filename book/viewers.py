@@ -150,7 +150,7 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, with its newest points as the pose: matches by name, and skips NaN, infinities and surplus entries.
+    """PlotJuggler, with its newest points as the pose: matches by name, and skips NaN, infinities and extra entries.
 
     It uses the time of arrival, which is its default.
 

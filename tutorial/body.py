@@ -57,7 +57,7 @@ class Joint:
         self._ctrl: NDArray[np.float64] = data.ctrl
         self._model = model
         self._id = joint_id
-        self._effort_command: Command | None = None  # looked up at its first use
+        self._effort_command: Command | None = None  # looked up on first use
         self._target_command: Command | None = None
 
     @property

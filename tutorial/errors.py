@@ -1,4 +1,4 @@
-"""Errors whose texts say what is wrong and how to fix it."""
+"""Errors whose messages say what is wrong and how to fix it."""
 
 import re
 import sys

@@ -40,7 +40,7 @@ _log = logging.getLogger(__name__)
 
 
 class Latest(Generic[T]):
-    """A value under a lock: one thread puts the newest, and other threads get it as often as they like.
+    """A value guarded by a lock: one thread puts in the newest value, and other threads get it as often as they like.
 
     The value is not copied, so nobody may change it after `put`.
 

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 NAMES_KEPT = 3  # in each `NameList`, to keep a report small however many names a message has
 SECOND_NS = 1_000_000_000  # [ns] a stamp that steps back further means that the publisher was restarted
-PAUSE_NS = 10 * SECOND_NS  # [ns] the longest pause that one of several publishers may make between two messages
+PAUSE_NS = 10 * SECOND_NS  # [ns] the longest pause that one of several publishers may make between messages
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
 SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # of a jump's length: how near it ends to the position before last, or to a rival's
-COUNT_EVERY = 10  # messages between two counts of the publishers, as long as there is only one
+COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
 SILENT_AFTER = 25  # dropped messages in a row, per rival; then the followed publisher counts as silent
-SHARED_AFTER, CANCELLED = 60, 1 / 4  # a joint's jumps back until two publishers share it; each other jump cancels 1/4
+SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; any other jump cancels 1/4 of one
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -101,7 +101,7 @@ class JointReport(NamedTuple):
     non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they did not move
     huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to draw; they did not move
     outside: NameList = NameList()  #: joints whose position is outside their range; the view shows them as received
-    known: tuple[str, ...] = ()  #: all joints of the body, to suggest one; empty if every name was known
+    known: tuple[str, ...] = ()  #: all joints of the body, for suggestions; empty if every name was known
 
     @property
     def dropped(self) -> bool:
@@ -214,7 +214,7 @@ class _Publishers:
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
-        self._half_range = {joint: (upper - low) / 2 for joint, (low, upper) in ranges.items()}  # more is a jump
+        self._half_range = {joint: (upper - low) / 2 for joint, (low, upper) in ranges.items()}  # beyond: a jump
         self._count_publishers, self._last_count = count, 0
         self._until_recount = 0  # messages until the publishers are counted again
         self._groups: list[set[str]] = []  # separate sets of joints that are published together
@@ -232,7 +232,7 @@ class _Publishers:
         apart = [group for group in self._groups if count > 1 and group.isdisjoint(joints)]
         self._groups = [*apart, joints.union(*(group for group in self._groups if group not in apart))]
         shared = count > 1 and max([self._jumps_back(*each) for each in positions.items()]) >= SHARED_AFTER
-        return max(count - 1 - len(apart), shared)  # each group apart has its own publisher
+        return max(count - 1 - len(apart), shared)  # each separate group has its own publisher
 
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
         """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
@@ -267,7 +267,7 @@ class _Publishers:
 
     def _recount(self) -> int:
         count = self._count_publishers()
-        if count < self._last_count:  # a publisher has left, and it is unknown which
+        if count < self._last_count:  # a publisher has left, and nobody knows which one
             self._groups, self._rival_positions, self._history = [], {}, {}
         self._last_count, self._until_recount = count, 0 if count > 1 else COUNT_EVERY - 1
         return count

@@ -17,9 +17,9 @@ from tutorial.world import Placement
 
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005, a busy cell starves a thread that wakes a thousand times a second
 USUAL_INTERVAL = sys.getswitchinterval()
-REST = 0.002  # [s] between two batches of steps
+REST = 0.002  # [s] between batches of steps
 LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
-REPORT_EVERY = 5.0  # [s] between two warnings that the machine can't keep up
+REPORT_EVERY = 5.0  # [s] between warnings that the machine can't keep up
 STUCK = 3.0  # [s] that a caller waits for controllers to return
 SLOW = 0.95  # times real time; if the simulation runs more slowly, the machine can't keep up
 LONGEST_BATCH = 0.1  # [s] of simulated time per batch of steps, so that a stop takes effect soon
@@ -67,7 +67,7 @@ class Simulation:
         snapshot: the world's newest state, for other threads.
         state: the current state.
         error: the last error of a controller since the last start; None if there was none.
-        rest: the pause between two batches of steps in real time [s]. A longer pause takes less processor time.
+        rest: the pause between batches of steps in real time [s]. A longer pause takes less processor time.
 
     Raises:
         TutorialError: the bodies cannot form a world.

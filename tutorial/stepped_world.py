@@ -17,7 +17,7 @@ from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError, describe_error, file_of
 from tutorial.world import Placement, compose
 
-POLL_EVERY = 0.001  # [s] between two checks for a run's next lap
+POLL_EVERY = 0.001  # [s] between checks for a run's next lap
 _log = logging.getLogger(__name__)
 
 

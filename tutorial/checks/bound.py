@@ -116,7 +116,7 @@ def million(trial: Trial) -> list[float]:
     return numbers(returned)
 
 
-SHORT = "You probably rely on four axes, or drop a shorter message. Keep the axes that it has; the missing ones are 0."
+SHORT = "You probably expect four axes, or drop a message with fewer. Keep the axes that it has; missing axes are 0."
 INFINITE = ("You probably limit an infinity to 1 or -1. It counts as "
             "0: check isfinite(axis) first. (isnan finds only NaN.)")  # fmt: skip
 BEYOND = ("You probably don't limit an axis beyond -1 or 1, set it "

@@ -2,7 +2,7 @@
 
 Write the controller `GentleTank`. It subscribes to the topic `joy` (type `Joy`), without a leading slash, so the topic
 is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R` of `io.body`, with the left
-stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive ahead.
+stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive forward.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
 - An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis by itself; outside of this dead zone, use
@@ -87,12 +87,12 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or drop its message, so the last speed stays. Set 0.",
+    Mistake("you set no speed while the stick is at rest, or drop its message, so the last speed is kept. Set 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
     Mistake("you swap left and right. With the stick to the left, left_x "
             "> 0, the left track slows down and the right one speeds up.",
             replace("0.5 * left_x", "-0.5 * left_x")),
-    Mistake("you swap left_x and left_y. axes[0] is left_x, to the side, and axes[1] is left_y, ahead.",
+    Mistake("you swap left_x and left_y. axes[0] is left_x, sideways, and axes[1] is left_y, forward.",
             replace("left_x, left_y =", "left_y, left_x =")),
     Mistake("you read an axis of the right stick. The left stick is axes[0] and axes[1].",
             replace("axes[:2]", "axes[2:]", "axes[1:3]", "[axes[2], axes[1]]", "[axes[0], axes[3]]")),
@@ -191,10 +191,10 @@ def halved(trial: Trial, in_callback: bool) -> str:
 
 
 AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Keep every message."
-MISSING = ("You probably rely on the axes, or drop a short message. "
+MISSING = ("You probably expect every axis to be there, or drop a message with too few. "
            "Missing axes count as 0; four_axes(message) fills them in.")  # fmt: skip
-NEWEST = ("You probably use a message only for a limited time, or skip "
-          "messages by time. Use the newest until the next arrives.")  # fmt: skip
+NEWEST = ("You probably let a message expire, or drop messages that arrive too "
+          "close together. Use the newest message until the next one arrives.")  # fmt: skip
 KEPT = "You probably create self.joy in initialize, which forgets the last message. Create it in configure."
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
@@ -203,7 +203,7 @@ CASES = [
     Case("a message, before the next step", after("start", DRIVES),
          "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
-         "You probably rely on a message. Before the first one, use an empty message: Latest(Joy()).",
+         "You probably assume that a message has arrived. Before the first one, use an empty message: Latest(Joy()).",
          crashes=True),
     Case("the second step does the same", second_step, "You probably smooth the speeds, or use a message in only "
          "one step. Set the full speeds immediately, and in every step."),

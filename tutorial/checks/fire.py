@@ -73,8 +73,7 @@ MISTAKES = [
     Mistake("you never put True into self.fire. on_joy has to put "
             "message.buttons[0] == 1; a list never equals 1, and 1 is not True.",
             replace("== 1", "is True")),
-    Mistake("you don't put False when the button is released, or ignore "
-            "messages in quick succession. Put every state.",
+    Mistake("you don't put False after the release, or you ignore messages in quick succession. Put every state.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
     Mistake("you toggle the value each time the button goes down, "
             "like a switch. Put whether the button is pressed now.",
@@ -143,8 +142,8 @@ CASES = [
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is held, in a second message", after((1, 0), (1, 0)),
          "You probably put True only when the button goes down. Put True while it is pressed."),
-    Case("button 0 is released", after((1, 0), (0, 0)), "You probably don't put False after the release, or ignore "
-         "messages in quick succession, so True stays."),
+    Case("button 0 is released", after((1, 0), (0, 0)), "True stays: you probably don't put False after the "
+         "release, or you ignore messages in quick succession."),
     Case("button 0 is pressed, after a message with it released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),

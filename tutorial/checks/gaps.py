@@ -8,8 +8,8 @@ in the order of receipt; each `message` is a `JointState`. It returns a list of 
   and the newest stamp starts over with this one.
 
 `before` is the newest stamp so far and `after` is the message's stamp, both in whole nanoseconds. A message that is
-only a little late, or as old as the newest one, is not an event. Report every event, even if it equals an earlier gap
-or restart. The list can be empty: never raise an exception, and don't change the list.
+only a little late, or as old as the newest one, is not an event. Report every event, even if it repeats an earlier
+gap or restart. The list can be empty: never raise an exception, and don't change the list.
 
 Hint 1: What do you compare each stamp with? Not with the previous one, which may have been late, but with the newest
 so far. And the bag's own times don't show when a message was made.
@@ -75,7 +75,7 @@ MISTAKES = [
     Mistake("you return gaps and restarts separately: keep the bag's order.",
             replace("return found", "return sorted(found, key=lambda each: each[0])",
                     "return sorted(found, key=lambda each: each[0], reverse=True)")),
-    Mistake("you leave out a gap or restart that equals an earlier one: report it again.",
+    Mistake("you leave out a gap or restart that is identical to an earlier one: report it again.",
             replace("return found", "return [*dict.fromkeys(found)]")
             + replace('found.append(("restart"', '("restart", newest, stamp) in found or found.append(("restart"')),
     Mistake("after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.",

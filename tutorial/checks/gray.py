@@ -5,8 +5,8 @@ Write the controller `GrayPublisher`. It publishes what the camera `CAMERA` sees
 leading slash, so it is in the node's namespace.
 
 - Request a picture every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
-  round the number of steps or keep the rate on average. Publish every picture that you get, even if it equals the last:
-  a repeated message is still a message.
+  round the number of steps or keep the rate on average. Publish every picture that you get, even if it repeats the
+  last: a repeated message is still a message.
 - A pixel is one byte, the average of its red, green and blue, rounded or truncated. This encoding is called `mono8`.
   The field `step` is the number of bytes in a row.
 - The stamp is the simulated time of the request. A picture can arrive after the next request, or not at all. The frame
@@ -92,7 +92,8 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("you give message.data an array with rows. It needs a flat array of bytes: array('B', ....tobytes()).",
+    Mistake("you assign a two-dimensional array to message.data. "
+            "It needs a flat array of bytes: array('B', ....tobytes()).",
             replace('array("B", pixels.mean(axis=2).astype(np.uint8).tobytes())',
                     "pixels.mean(axis=2).astype(np.uint8)")),
     Mistake("you use one colour, the sum or a different mean, or compute in "
@@ -166,7 +167,7 @@ class CameraRig(Rig):
         trial: the trial that the rig belongs to.
         delay: the number of steps from a request to its delivery.
         missed: the number of the picture that is never delivered.
-        is_still: whether all pictures are equal.
+        is_still: whether all pictures are identical.
         options: the options of `Rig`.
 
     Attributes:
@@ -227,7 +228,7 @@ def left_open(trial: Trial) -> str:
 
 
 def still(trial: Trial) -> Any:
-    """Observe how often equal pictures are sent."""
+    """Observe how often identical pictures are sent."""
     return PUBLISHING.often(PUBLISHING.play(trial, 0.9, is_still=True))
 
 
@@ -254,8 +255,9 @@ CASES = [
     Case("late and missing pictures", lambda trial: stamps(trial, delay=40, missed=2),
          "You probably leave out some requests, or don't stamp each picture with the time of "
          "its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
-    Case("nothing moves, so all pictures are equal", still,
-         "You probably leave out a picture that equals an earlier one. Publish all: a repeated message is a message."),
+    Case("nothing moves, so all pictures are identical", still,
+         "You probably leave out a picture that is identical to an earlier one. "
+         "Publish all of them: a repeated message is still a message."),
     Case("after stop", left_open, "You probably don't close the camera in stop, or look up several cameras: "
          "look it up once, in initialize, and call self.camera.close() in stop."),
 ]  # fmt: skip

@@ -7,13 +7,13 @@ displayed body hops:
 - A blow is a horizontal acceleration (the length of the vector (x, y)) of more than 20 m/s².
 - After a blow, the body immediately rises by 0.1 m. 0.5 s later, it is back exactly where it stood.
 - If another blow arrives while the body is up, it stays up until 0.5 s after that blow, and rises no higher. Other
-  messages change nothing. A blow counts even if its message equals the previous one.
+  messages change nothing. A blow counts even if its message repeats the previous one.
 - No blow is lost if up to five messages arrive while the executor's thread and the main thread are busy.
 - Use asyncio's timer, on the main thread. After each move, call `calc_forward_kinematics` and `notify_change`.
 - When the controller leaves the body, no timer is running, the body is back where it stood, and the node has destroyed
   the subscription.
 
-Hint 1: Look at what you have to remember between two calls: where the body stood, and the timer. The timer also tells
+Hint 1: Look at what you have to remember between calls: where the body stood, and the timer. The timer also tells
 you whether the body is up.
 
 Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. On
@@ -218,8 +218,8 @@ CASES = [
          "You probably ignore it, lift the body again, store its position while it is up, or keep the first timer. "
          "Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),
     Case("the same blow again", hopped(blow, land, blow, Hall.where),
-         "You probably skip a message that equals the previous one. A "
-         "second blow can equal the first: post every message."),
+         "You probably skip a message that is identical to the previous one. A second blow can be identical to the "
+         "first: post every message."),
     Case("a harmless message while it is up", hopped(blow, wait, harmless, *THEN),
          "You probably react to a harmless message while the body is up. "
          "First test for a blow: only a blow may touch the timer."),
@@ -231,7 +231,7 @@ CASES = [
          "You probably don't land in unconfigure. Cancel the "
          "timer, put the body back and notify."),
     Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
-         "You probably put the body back in unconfigure, but don't call "
+         "You probably put the body back in unconfigure without calling "
          "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
     Case("after unconfigure, landed and moved elsewhere", hopped(blow, land, move_it, Hall.leaves), STAYS),

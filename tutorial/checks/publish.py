@@ -136,7 +136,7 @@ CASES = [
          "You probably leave out effort, mix up the joints, or send old values. "
          "Read all values for each message: [joint.effort for joint in self.joints]."),
     Case("while nothing moves", at_rest, "You probably publish only changes. Publish every "
-         "message, even if it equals the previous one."),
+         "message, even if it repeats the previous one."),
     Case("on the crane Lift", PUBLISHING.sent(0.2, model="crane", name="Lift")),
 ]  # fmt: skip
 publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, CASES, MISTAKES, MEANING))

@@ -2,10 +2,10 @@
 
 Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
-- `write` runs on the recorder's thread. It takes one entry after the other from the queue, a time [ns] and a payload,
-  and writes it immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an entry
-  even if its payload or time equals an earlier one: a repeated message is still a message. `self.received.get()` waits
-  for an entry. `None` ends the thread.
+- `write` runs on the recorder's thread. It takes entries from the queue one by one, each a time [ns] and a payload,
+  and writes each immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an
+  entry even if its payload or time repeats an earlier one: a repeated message is still a message. `self.received.get()`
+  waits for an entry. `None` ends the thread.
 - `unconfigure` ends everything that `configure` has started. Afterwards, every received message is in the bag, and
   nothing writes into it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
 - You may extend `configure`, too. Then call `super().configure(config)` in it. This starts the thread, so first set
@@ -15,7 +15,7 @@ Hint 1: Go through unconfigure line by line. After each line: can a message stil
 queue, can the thread still write?
 
 Hint 2: First stop listening, so nothing more arrives. Then put a last entry that ends the thread, wait until it has
-ended, and only then close the bag. In write, a loop takes one entry after the other, until None.
+ended, and only then close the bag. In write, a loop takes one entry after another until it gets None.
 
 Hint 3: while received := self.received.get(): self.bag.write(self.connection, *received). And unconfigure has four
 lines: self.node.destroy_subscription(self.subscription), self.received.put(None), self.writer.join() and
@@ -50,7 +50,7 @@ class MyRecorder(QueueRecorder):
     """Write the queue's entries on a separate thread."""
 
     def write(self: Any) -> None:
-        """Write one entry after the other, until None."""
+        """Write one entry after another, until None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 
@@ -96,7 +96,7 @@ OFTEN = 100  # the limit for consecutive calls of empty()
 class Surroundings:
     """A recorder's queue, node, thread and bag. The disk takes a second for the first message.
 
-    So the thread pauses there, or when the queue is empty, until something waits for its end.
+    So the thread pauses during that write, or when the queue is empty, until something waits for the thread to end.
 
     Args:
         trial: the trial of the learner's recorder.
@@ -122,7 +122,8 @@ class Surroundings:
     def configure(self) -> None:
         """Call the learner's `configure`, with `begin` in place of the notebook's `configure`.
 
-        The notebook's method, or a learner's copy of it, is the first one in the MRO that calls no other.
+        The notebook's method, or a learner's copy of it, is the first `configure` in the MRO that calls no other
+        `configure`.
 
         Raises:
             Failure: the method raised an exception, did not call the notebook's method, or started the thread too
@@ -162,7 +163,7 @@ class Surroundings:
         self.begun.put(None)
 
     def rest(self) -> None:
-        """Pause the thread, the first time, until something waits for its end."""
+        """Pause the thread, but only once, until something waits for it to end."""
         if self.rests:
             self.begun.put(None)
             self.turn.get()
@@ -201,7 +202,7 @@ class Surroundings:
         self.listens = subscription is not self.recorder.subscription
 
     def join(self, timeout: float | None = None) -> None:
-        """Wait for the thread's end, which takes a second."""
+        """Wait for the thread to end, which takes a second."""
         self.hurries = not self.hurries and timeout is not None and timeout <= 1.0
         if not self.hurries:
             self.end()
@@ -209,7 +210,7 @@ class Surroundings:
             raise self.failure
 
     def end(self) -> None:
-        """Let the thread run, and wait for its end."""
+        """Let the thread run, and wait for it to end."""
         self.turn.put(None)
         if self.thread.ident:
             self.thread.join()
@@ -269,11 +270,11 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 CASES = [
     Case("messages arrive one by one", tried(coming=[A, B, None]),
-         "You probably don't end at None, or change an entry: take one, leave the loop if it is None, "
+         "You probably go on after None, or change an entry: take one, leave the loop if it is None, "
          "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
     Case("three messages wait in the queue", tried(A, B, C)),
-    Case("equal messages wait in the queue", tried(A, B, B, (9, b"A")),
-         "You probably leave out a message that equals an earlier one. "
+    Case("identical messages wait in the queue", tried(A, B, B, (9, b"A")),
+         "You probably leave out a message that is identical to an earlier one. "
          "Write every entry: a repeated message is still a message."),
     Case("a message arrives while it stops listening", tried(A, coming=[B]),
          "You probably stop listening too late, after put(None). What arrives after "

@@ -7,8 +7,8 @@ namespace, so the topic can also begin with a slash.
 - The displayed body belongs to the main thread. The callback only posts, with `config.call_later`, and returns.
 - The posted call matches by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and notifies
   (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
-- It shows every message, even if it equals the previous one, and even if its stamp is smaller after a restart of the
-  publisher. It may drop a message that is only late, as `JointMatcher` does.
+- It shows every message, even if it repeats the previous one, and even if its stamp is smaller after a restart
+  of the publisher. It may drop a message that is only late, as `JointMatcher` does.
 - It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys its subscription.
 
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
@@ -108,7 +108,7 @@ def its_own(viewer: Viewer) -> None:
 
 
 def repeated(viewer: Viewer) -> str:
-    """Observe the effect of a message that equals the previous one, as from a robot at rest."""
+    """Observe the effect of a message that is identical to the previous one, as from a robot at rest."""
     for _ in range(2):
         viewer.shown.clear()
         heard(joint_state("Y P", (0.1, 0.2)))(viewer)
@@ -122,7 +122,7 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST = [
     Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-         "You probably don't set the positions, or change them. "
+         "You probably set no positions, or change them first. "
          "Call self.body.set_joint_positions(positions), in rad."),
     Case("its joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
          "You probably match positions by their index in the message. "
@@ -144,7 +144,7 @@ FIRST = [
          "the publisher, stamps are smaller, and they can be equal."),
     Case("the same message again", steps(repeated), "You probably leave out a message that repeats the positions of "
          "the previous one. Show every message, and notify after it."),
-    Case("a message that arrives while the body is drawn",
+    Case("a message that arrives while the body is being drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
          "You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message."),
     Case("a call waiting when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),

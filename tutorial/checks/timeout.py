@@ -58,8 +58,8 @@ MISTAKES = [
             "Keep the seconds of the call in which the message is new.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
-    Mistake("you compare the messages' contents. A held stick sends "
-            "equal messages: compare the objects, with `is not`.",
+    Mistake("you compare the messages' contents. A stick held still sends "
+            "identical messages: compare the objects, with `is not`.",
             replace("message is not self.message", "message != self.message",
                     'message.axes != getattr(self.message, "axes", None)')),
     Mistake("you keep the time of the first message only. Set self.since for every new message.",
@@ -110,16 +110,15 @@ A_AT_3 = ("You probably miss a new message. Set self.since whenever "
           "the message is a different object than in the previous call.")  # fmt: skip
 CASES = [
     Case("one message, at 0, 0.25, 0.5 and 0.75 s", tried("A 0, A 0.25, A 0.5, A 0.75"),
-         "You probably don't set self.since exactly when the message "
-         "is new. The first one is new, even at 0 s."),
+         "Set self.since when the message is new, and only then. The first message is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
          "You probably don't set self.since in the first call. "
          "Keep the seconds of the call in which the message is new."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
-    Case("a held stick, an equal message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
+    Case("a held stick, an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
          "You probably compare the messages' contents, or look for the message "
-         "among all earlier ones. Compare with the last one, using `is not`."),
+         "among all earlier ones. Compare with the last message, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
     Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
          "You probably keep id(message), and a later message can get "

@@ -53,8 +53,8 @@ MISTAKES = [
     Mistake("you use only the last transform or only the first, or you leave one of them out. Use all transforms.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
-    Mistake("you go from the first transform to the last. The point is "
-            "in the last one's frame: go from the last to the first.",
+    Mistake("you go from the first transform to the last. The point is in the last transform's "
+            "child frame: go from the last transform to the first.",
             replace("reversed(transforms)", "transforms")),
     Mistake("you add the inner translations without turning them. Each transform turns everything inside it.",
             both(replace("for stamped", "place = np.zeros(3)\nfor stamped"),
@@ -150,7 +150,7 @@ CASES = [
          "You probably have a mistake in the rotation itself: compare "
          "with turned(q, point). ROS uses x, y, z, w, with w last."),
     Case("translated, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-         "A translation alone and a rotation alone work. You probably "
+         "Translation and rotation each work on their own. You probably "
          "combine them in the wrong order: turn first, then add."),
     Case("turned about y, nose up", tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)), ABOUT_Y),
     Case("turned about x, on its side", tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)), ABOUT_Y),

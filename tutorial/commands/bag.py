@@ -20,7 +20,7 @@ from tutorial.system.printing import print_text
 if TYPE_CHECKING:
     from tutorial.ros.bags import Bag, Recorder
 
-LOOK_EVERY = 0.2  # [s] between two updates of a recording's status
+LOOK_EVERY = 0.2  # [s] between updates of a recording's status
 CLOCK_RATE = 40.0  # [Hz], as in ros2 bag
 
 bag_argument = click.argument("bag", type=click.Path(path_type=Path), metavar="BAG")

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
 TIMEOUT = 8.0  # [s] from asking a process to stop to killing it
-LOOK_EVERY = 0.1  # [s] between two checks of the running processes
+LOOK_EVERY = 0.1  # [s] between checks of the running processes
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
@@ -163,7 +163,7 @@ class Launcher:
         try:
             self._output.write(f"{datetime.now():%H:%M:%S} {name:{self._width}} | {line}\n")
             self._output.flush()
-        except BrokenPipeError:  # the reader, such as head, has ended
+        except BrokenPipeError:  # the reader, such as head, has exited
             self._stop.set()
 
 

@@ -62,7 +62,7 @@ class Shaker:
             self.shake()
 
     def shake(self) -> None:
-        """Move the body a little and start the next timer, or stop when the time is over."""
+        """Move the body a little and start the next timer, or stop when the time is up."""
         loop = asyncio.get_running_loop()
         if loop.time() < self.ends_at:
             self.timer = loop.call_later(PERIOD, self.shake)

@@ -14,7 +14,7 @@ Matrix = NDArray[np.floating[Any]]
 NOTHING = 1e-12
 """Smaller numbers [m] or [rad] are rounding errors, and are written as 0."""
 GIMBAL_LOCK = 1e-9
-"""At a smaller cosine of the pitch, roll and yaw turn about the same axis, and yaw is set to 0."""
+"""If the cosine of the pitch is smaller than this, roll and yaw turn about the same axis, and yaw is set to 0."""
 
 
 def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:

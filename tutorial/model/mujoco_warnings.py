@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-WARN_EVERY = 5.0  # [s] between two log lines
+WARN_EVERY = 5.0  # [s] between log lines
 AFTER_WARNING = {
     " in CTRL at ": "All controls count as 0 until each is a number again.",
     " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
@@ -43,7 +43,7 @@ class _MujocoWarns:
 
 
 mujoco_warns = _MujocoWarns()
-"""The handler of MuJoCo's warnings, one for the whole process."""
+"""The handler for MuJoCo's warnings, one for the whole process."""
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from tutorial.errors import TutorialError, printable_lines
 
 TIMEOUT = 30.0  # [s] that `until` waits: a classroom's server can be slow
-LOOK_EVERY = 0.01  # [s] between two checks of a condition
+LOOK_EVERY = 0.01  # [s] between checks of a condition
 LINES_KEPT = 100
 
 

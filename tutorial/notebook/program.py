@@ -26,7 +26,7 @@ from tutorial.view.scene import Scene
 
 T = TypeVar("T")
 
-LONG_REST = 0.05  # [s] between two batches of steps while the page is gone, to save processor time
+LONG_REST = 0.05  # [s] between batches of steps while the page is gone, to save processor time
 REST_AFTER = 300.0  # [s] without a page before a running simulation is paused
 RESTS = "paused at %.1f s, after %d min without a page: start() resumes it"
 LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this, for instance while the user thinks

@@ -80,7 +80,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             clock: list[tuple[str, SimpleController]] = [("", ClockPublisher(self.node))] if project.clock else []
             for entry in project.bodies:  # from now on, messages arrive; the calls that they post wait for the loop
                 self._add(entry, simulates=project.time_step is not None)
-            # Look closely, unless there is also a body without controllers, such as a laboratory.
+            # Zoom in on the bodies, unless one of several has no controllers, such as a laboratory.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
                 view.look_at_bodies(*self._items)
             if project.time_step is not None:
@@ -93,7 +93,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     async def __aexit__(self, kind: object, *_: object) -> None:
         self.close()
-        ends_well = kind in (None, asyncio.CancelledError)  # any other error must not be replaced
+        ends_well = kind in (None, asyncio.CancelledError)  # any other error must not be masked
         if ends_well and any(item.failed for item in self._items.values()):
             raise TutorialError("a controller failed in unconfigure(). The log shows where.")
 

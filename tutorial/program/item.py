@@ -13,10 +13,10 @@ from tutorial.model.couplings import not_computed
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about a body's messages, and between two queries of the publishers
+COMPLAIN_EVERY = 5.0  # [s] between log lines about a body's messages, and between queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as stale
 CONTESTED_FOR = 2.0  # [s] for which the line below the view names a rival after its last message
-NAMED = 3  # number of stale joints or nodes to name; more are only counted
+NAMED = 3  # number of stale joints or nodes to name; any others are only counted
 LONGEST_NAME = 60  # characters of a node's name to show, at most
 
 _log = logging.getLogger(__name__)
@@ -102,7 +102,7 @@ class JointWatch:
         return f"no message on {topic} yet"
 
     def _contested(self) -> str:
-        """Name the publishers; empty if no rival's message has arrived for a while."""
+        """Name the publishers; empty if no message of a rival has arrived for a while."""
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
     def _say_what_does_not_follow(self, report: JointReport) -> None:

@@ -25,7 +25,7 @@ class ClockPublisher(SimpleController):
         self.publisher = node.create_publisher(Clock, CLOCK_TOPIC, 1)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Compute the number of steps between two messages."""
+        """Compute the number of steps between messages."""
         self.io = io
         self.steps_per_message = max(1, int(1 / (RATE * io.time_step)))
 

@@ -99,7 +99,7 @@ class View:
     def update(self, name: str, data: mujoco.MjData) -> None:
         """Draw the MuJoCo bodies in their current poses. Bodies that have not moved cost next to nothing.
 
-        Arrows show what the inertial sensors have measured, slightly smoothed from `flush` to `flush`.
+        Arrows show what the inertial sensors have measured, slightly smoothed between one `flush` and the next.
 
         Args:
             name: as given to `add`.

@@ -24,7 +24,7 @@ from tutorial.view.scene import Scene
 
 _log = logging.getLogger(__name__)
 
-FRAME = 1 / 30  # [s] between two frames while something moves
+FRAME = 1 / 30  # [s] between frames while something moves
 
 SCRIPTS = (*VIEW, "replay.js")
 STYLES = ("scene_view.css", "readings.css", "replay.css")

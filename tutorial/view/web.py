@@ -46,8 +46,8 @@ LARGEST_BODY = 1024
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
     """Serves a page that shows a scene, on this machine only, during an ``async with`` block.
 
-    Use it on the scene's thread, while its event loop runs. Leaving the block closes all connections and frees the
-    port.
+    Use it on the scene's thread, while its event loop is running. Leaving the block closes all connections and frees
+    the port.
 
     Args:
         scene: the scene to show.

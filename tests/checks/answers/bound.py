@@ -62,7 +62,7 @@ def sleeps(message):
 RIGHT = [by_index, by_iterator, by_numpy]
 WRONG = [
     (unpacks, ["require a certain number of axes"]),
-    (indexes_and_reverses, ["in their order", "rely on four axes"]),
+    (indexes_and_reverses, ["in their order", "expect four axes"]),
     (rounds_nan, ["check isfinite(axis) first"]),
     (counts_through_all, ["copy all axes, or go through all"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["copy all axes, or go through all"]),

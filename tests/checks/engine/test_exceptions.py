@@ -30,7 +30,7 @@ SENTENCES = {
     "You probably call the callback right away. Pass it without parentheses": lambda: Answer().configure(0),
     "This is a tuple. Unpack it": lambda: (1,).header,
     "You probably forgot self in initialize: self.io = ...": lambda: Answer().io,
-    "You probably don't keep it in configure: self.node = config.node.": lambda: Answer().node,
+    "You probably don't store it in configure: self.node = config.node.": lambda: Answer().node,
     "You probably read it before anything has set it: configure runs first": lambda: Answer().message,
     "You probably use the event loop": asyncio.get_running_loop,
     "A list cannot be the key of a dict": lambda: {[]: 1},

@@ -1,4 +1,4 @@
-"""The cases of controllers that publish at a rate."""
+"""The cases of controllers that publish at a fixed rate."""
 
 from tutorial.checks.engine.publishing import compared, compared_stamps, describe
 from tutorial.checks.engine.trial import Trial

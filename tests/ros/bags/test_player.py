@@ -105,7 +105,7 @@ def test_unplayable_messages_are_reported(nodes, tmp_path, caplog):
     Player(nodes[0], make(tmp_path / "bag"))
     said = [record.message for record in caplog.records if "is not played" in record.message]
     assert said == [
-        "topic /a b is not played: the name breaks the rules of ROS 2",
+        "topic /a b is not played: the name breaks ROS 2's naming rules",
         "topic /alien is not played: The message type 'alien_msgs/msg/X' is invalid",
         "topic /json is not played: its messages are 'json', not 'cdr'",
     ]

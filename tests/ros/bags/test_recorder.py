@@ -139,7 +139,7 @@ def test_an_unknown_type_is_reported_once(nodes, tmp_path, caplog, monkeypatch):
     assert recorder.counts == {}
     said = [record.message for record in caplog.records if "is not recorded" in record.message]
     assert said == [
-        "topic //x is not recorded: its name breaks the rules of ROS 2",
+        "topic //x is not recorded: its name breaks ROS 2's naming rules",
         r"topic /a is not recorded: The message type 'alien_msgs/msg/\x1b[2J' is invalid",
     ]
 

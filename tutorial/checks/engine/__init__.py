@@ -10,7 +10,7 @@ An exercise's module imports each name from the module here that defines it.
   by accident. `verdict`: the text that the learner reads.
 - `contain`, `child`: the process that runs an answer, from outside and from inside.
 - `memory_node`, `bodies`, `rig`: an environment for the controller of a simulated body. `publishing`: cases for all
-  controllers that publish at a rate.
+  controllers that publish at a fixed rate.
 - `viewer`, `clock`: an environment for the controller of a displayed body. `viewing`: cases for all such controllers.
 - `interleave`, `real_dds`: two threads in every order, and rclpy's own node.
 """

@@ -23,7 +23,7 @@ _ENGINE = "tutorial.checks.engine."  # an answer's class may hold functions from
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
-    """Return a message if an answer is not the kind of class or function that the exercise needs, otherwise "".
+    """Return an error message if an answer is not the kind of class or function that the exercise needs, otherwise "".
 
     Args:
         answer: the given object.

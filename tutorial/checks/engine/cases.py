@@ -1,4 +1,4 @@
-"""Cases and mistakes: the data of an exercise. They define what is tried, and describe common wrong answers.
+"""Cases and mistakes: the data of an exercise. They say what to try, and describe common wrong answers.
 
 For instance::
 
@@ -62,7 +62,7 @@ def replace(old: str, *new: str) -> Ways:
 
 
 def both(*ways: Ways) -> Ways:
-    """Combine several edits, made one after the other, for instance ``both(replace(...), replace(...))``.
+    """Combine several edits, made one after another, for instance ``both(replace(...), replace(...))``.
 
     If an edit has several replacements, each combination is a separate way to make the mistake.
     """
@@ -119,7 +119,7 @@ class Case:
     """One situation that an answer has to handle.
 
     Attributes:
-        label: the situation, in words for the learner. No two cases have the same label.
+        label: the situation, as the learner reads it. No two cases have the same label.
         run: tries the answer and returns an observation. The solution's observation is the expected one.
         meaning: the most likely cause of a wrong observation that no known mistake explains, as a sentence; by
             default `Cases.meaning`.

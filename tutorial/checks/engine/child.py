@@ -28,7 +28,7 @@ from tutorial.checks.engine.instruments import Instruments
 from tutorial.checks.engine.trial import Call, Trial
 from tutorial.checks.engine.verdict import Finding, wrong
 
-LOOK = 0.1  # [s] between two checks by the watchdog
+LOOK = 0.1  # [s] between checks by the watchdog
 TIMEOUT = 15  # number of checks after which a running call counts as stuck
 BUDGET = 25  # number of checks that all calls of one method may take together
 HALT = 5.0  # [s] without a check after which the watchdog itself counts as blocked
@@ -36,7 +36,7 @@ HALT = 5.0  # [s] without a check after which the watchdog itself counts as bloc
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered, so two threads can write whole lines
+    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered: each line is one write, so lines of two threads don't mix
     os.dup2(2, 1)
     parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - stays open to the end
     module, name, sys.path[:], answer = pickle.load(parent)

@@ -18,7 +18,7 @@ _STEPS = "The simulation calls {} once per step, so it needs no loop of its own:
 _RETURNS = {
     "control": _STEPS,
     "aim": _STEPS,
-    "unconfigure": "To wait for the end of a thread, join it. An empty queue does not mean that the thread has ended.",
+    "unconfigure": "To wait until a thread has ended, join it. An empty queue does not mean that the thread has ended.",
     "update": "{} runs on the main thread, which does nothing else until it returns: draw, and return.",
     "callback": "{} is a callback: keep the message or post a call, and return. Never wait or loop in a callback.",
 }
@@ -27,8 +27,8 @@ _PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node, config.
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
-    "io": "You probably don't keep it in initialize: self.io = io.",
-    **{each: f"You probably don't keep it in configure: self.{each} = config.{each}." for each in _CONFIG},
+    "io": "You probably don't store it in initialize: self.io = io.",
+    **{each: f"You probably don't store it in configure: self.{each} = config.{each}." for each in _CONFIG},
 }
 _UNSET = "You probably read it before anything has set it: "
 _LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as there is a subscription."

@@ -69,7 +69,7 @@ class MemoryNode:
     Attributes:
         get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
         made: all publishers and subscriptions that were ever made.
-        kept: the ones that the node still has, including any that were destroyed without notifying the node.
+        kept: the ones that the node still has, including any that were destroyed without notifying it.
         destroyed: whether the learner has destroyed the node itself.
     """
 
@@ -110,7 +110,7 @@ class MemoryNode:
         return [each.callback for each in self.subscriptions if each.kind is type(message)]
 
     def on(self, kind: type, topic: str) -> str:
-        """Name the topics that the answer uses for messages of a class; only the given one if it is among them."""
+        """Name the topics that the answer uses for messages of a class, or only the given one if it is among them."""
         made = [each.topic_name for each in self.made if each.kind is kind]
         wanted = expand_topic_name(topic, "tank", self.namespace)
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"

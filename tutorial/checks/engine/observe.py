@@ -26,7 +26,7 @@ class Observation:
         case: the case.
         value: the case's result for the answer, or the `Failure` that ended it.
         expected: the case's result for the solution.
-        seconds: how long the solution took [s]. The answer may have taken longer, because it had to compile a model.
+        seconds: how long the solution took [s]. The answer can take longer if it has to compile a model first.
         noted: how the answer used time and threads, as in `Trial.noted`.
     """
 
@@ -77,7 +77,7 @@ class Observations:
 def observe(
     cases: Cases, answer: Any, begin: Callable[[Any, Collection[str]], Trial], expected: Callable[[Case], Any]
 ) -> Observations:
-    """Try an answer in one case after the other, until the remaining ones would reveal nothing more.
+    """Try an answer in one case after another, until the remaining ones would reveal nothing more.
 
     Args:
         cases: the cases.

@@ -1,4 +1,4 @@
-"""Publishing: the cases and mistakes shared by all exercises about controllers that publish at a rate."""
+"""Publishing: the cases and mistakes shared by all exercises about controllers that publish at a fixed rate."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ Look = Callable[[Any, list[Sent]], Any]
 
 @dataclass(frozen=True)
 class Publishing:
-    """An exercise whose controller publishes at a rate.
+    """An exercise whose controller publishes at a fixed rate.
 
     Attributes:
         kind: the class of the messages.
@@ -127,7 +127,7 @@ class Publishing:
         return rig
 
     def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Run:
-        """Observe the content of the messages, or something else about them."""
+        """Observe the content of the messages, or some other property."""
         return lambda trial: self.held(self.play(trial, seconds, **options), look)
 
     def held(self, rig: Rig, look: Look | None = None) -> Any:
@@ -166,7 +166,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Return whether messages were sent from the beginning, at the rate to within rounding to whole steps."""
+        """Return whether messages were sent from the start, and at the right rate, up to rounding to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}

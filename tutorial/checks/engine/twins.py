@@ -23,7 +23,7 @@ A_MISTAKE = "<a mistake>"  # the file name in every twin's code
 
 
 class Twins:
-    """Try the solution and its twins in cases.
+    """Run the solution and its twins through the cases.
 
     Args:
         cases: the cases, the solution and the known mistakes.
@@ -65,7 +65,7 @@ class Twins:
             return attempt(case.run, trial)
 
     def slips(self, kind: Kind) -> Iterator[Fault]:
-        """Make all slips of a kind in the solution."""
+        """Yield every slip of one kind that can be made in the solution."""
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:

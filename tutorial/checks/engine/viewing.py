@@ -19,7 +19,7 @@ BESIDE = "You probably post from your own timer or thread. Post in the callback,
 
 SHARED_BY_VIEWERS = "You probably keep something on the class, which all viewers share. Set it on self, in configure."
 ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure write {}."
-NOT_POSTED = ("You probably skip messages, by time or by count, or post no calls at all. "
+NOT_POSTED = ("You probably drop some messages, for instance every second one, or post no calls at all. "
               "Post a call for each message, {}, and show it.")  # fmt: skip
 MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
          "After every move of the body call these two, in this order.")  # fmt: skip
@@ -28,7 +28,7 @@ PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call sti
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
-    """Make the run of a case: perform steps, one after the other, and join their observations.
+    """Make the run of a case: perform steps, one after another, and join their observations.
 
     Args:
         done: the steps.
@@ -43,7 +43,7 @@ def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
 
 
 def heard(*messages: Any) -> Step:
-    """Make a step in which messages arrive one after the other, and each one's posted calls run."""
+    """Make a step in which messages arrive one after another, and the calls that each one posts are run."""
 
     def step(viewer: Viewer) -> None:
         for message in messages:

@@ -51,7 +51,7 @@ class Judged(msgspec.Struct):
     def __post_init__(self) -> None:
         """Escape control characters, both in new messages and in received ones, and detect forged verdicts.
 
-        A check's verdict "right" has ticks, no cross and no cause. Any other "right" becomes "not judged".
+        A check's "right" verdict has ticks, no crosses and no cause. Any other "right" becomes "not judged".
         """
         self.cause, self.text = clean(self.cause), clean(self.text)
         marks = {line[:1] for line in self.text.split("\n")}

@@ -95,7 +95,7 @@ def _refuse() -> None:
     for call in REFUSED:
         library.seccomp_rule_add(rules, SCMP_ACT_EPERM, library.seccomp_syscall_resolve_name(call), 0)
     if library.seccomp_load(rules):
-        raise OSError("the kernel does not accept the filter of system calls")
+        raise OSError("the kernel does not accept the system call filter")
 
 
 def _readable() -> Iterator[str]:

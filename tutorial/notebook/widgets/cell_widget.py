@@ -20,7 +20,7 @@ def kernel_loop() -> asyncio.AbstractEventLoop:
     """Return the event loop of the notebook's kernel, which updates the widgets. Main thread only.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
     """
     try:
         return asyncio.get_running_loop()

@@ -10,11 +10,11 @@ from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
 
 HEIGHT = "23em"  # the list of faults scrolls, so that the panel is as high as the view beside it
-LOOK = 0.5  # [s] between two updates of the counts
+LOOK = 0.5  # [s] between updates of the counts
 
 
 class ChaosPanel(VBox):  # type: ignore[misc]
-    """Sets the share of messages that each fault hits. Make it on the main thread, while its event loop runs.
+    """Sets the share of messages that each fault hits. Make it on the main thread, while its event loop is running.
 
     Its node, ``chaos``, publishes on a separate thread, even while a cell is busy.
 
@@ -23,7 +23,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         ended: whether the panel has ended.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
     """
 
     def __init__(self) -> None:

@@ -29,7 +29,7 @@ class _Words(msgspec.Struct):
 
 
 class FrameWidget(CellWidget):
-    """Sends frames to every view that keeps up. Make it on the main thread, while its event loop runs.
+    """Sends frames to every view that keeps up. Make it on the main thread, while its event loop is running.
 
     Args:
         title: the title of the content, also for the ``repr``.
@@ -40,7 +40,7 @@ class FrameWidget(CellWidget):
         frame: the number of the last frame sent.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
     """
 
     AHEAD: ClassVar[int]

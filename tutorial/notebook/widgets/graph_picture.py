@@ -40,9 +40,9 @@ def picture(topology: Topology) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class _Shape:
-    """An ellipse with a node's name, or a box with a topic's name, and a small hint below the name.
+    """An ellipse with a node's name, or a box with a topic's name, and a small note below the name.
 
-    Nodes with the same name share an ellipse, with a hint that says so.
+    Nodes with the same name share an ellipse, with a note of their number.
     """
 
     name: str

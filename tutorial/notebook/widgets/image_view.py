@@ -14,11 +14,11 @@ from tutorial.view.assets import read_static
 
 CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # the supported encodings, with their bytes per pixel
 LARGEST = 1920 * 1080  # [pixels]
-LOOK_EVERY = 0.5  # [s] between two checks of the publishers
+LOOK_EVERY = 0.5  # [s] between checks of the publishers
 
 
 class ImageView(FrameWidget, NodeWidget):
-    """Shows the newest image on a topic. Make it on the main thread, while its event loop runs.
+    """Shows the newest image on a topic. Make it on the main thread, while its event loop is running.
 
     Its own node, ``image_view``, subscribes with depth 1: reliable if all publishers offer that, otherwise best effort,
     where losing one fragment loses the whole image. A page receives the next image after it has drawn the last one, so
@@ -33,7 +33,7 @@ class ImageView(FrameWidget, NodeWidget):
             image, ``line`` is the only field.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
     """
 
     AHEAD = 1

@@ -17,7 +17,7 @@ from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] length of the time axis
-DRAW_EVERY = 0.1  # [s] minimum time between two drawings
+DRAW_EVERY = 0.1  # [s] minimum time between drawings
 SHARE = 0.1  # the largest share of the main thread's time spent on drawing
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
@@ -34,7 +34,7 @@ class _Sample(NamedTuple):
 
 
 class JointPlot(LivePicture):
-    """Plots joint positions over the messages' stamps. Make it on the main thread, while its event loop runs.
+    """Plots joint positions over the messages' stamps. Make it on the main thread, while its event loop is running.
 
     Its own node, ``joint_plot``, receives the messages. The newest ones are drawn at most ten times a second.
 
@@ -42,7 +42,7 @@ class JointPlot(LivePicture):
         topic: a topic of type ``sensor_msgs/msg/JointState``.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
     """
 
     def __init__(self, topic: str = "/Tank/joint_state") -> None:

@@ -13,7 +13,7 @@ Vertex = tuple[str, ...]
 Edge = tuple[Vertex, Vertex]
 Place = tuple[float, float]
 
-GAP = 44.0  # [px] between two layers, for the arrows
+GAP = 44.0  # [px] between layers, for the arrows
 ROW = 54.0  # [px] between the centres of two shapes, one below the other
 
 

@@ -41,7 +41,7 @@ class Picture(CellWidget):
 
 
 class LivePicture(Picture, NodeWidget):
-    """A picture that its own node's callbacks update. Make it on the main thread, while its event loop runs.
+    """A picture that its own node's callbacks update. Make it on the main thread, while its event loop is running.
 
     Args:
         name: the picture's subject, for the ``repr``.
@@ -50,7 +50,7 @@ class LivePicture(Picture, NodeWidget):
         calls: the queue that the node's callbacks post to.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
     """
 
     def __init__(self, name: str) -> None:

@@ -19,7 +19,7 @@ class SceneView(FrameWidget):
         scene: the scene.
 
     Raises:
-        TutorialError: no event loop runs.
+        TutorialError: no event loop is running.
         WrongThreadError: this is not the scene's thread.
     """
 

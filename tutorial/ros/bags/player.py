@@ -26,7 +26,7 @@ CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # like rclcpp's ClockQoS
 SETTLE_FOR = 0.3  # [s] that Fast DDS needs until a discovered subscription has discovered the publisher, too
 LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: a bag with one message would keep a core busy
-LONGEST_WAIT = 1.0  # [s] between two progress reports
+LONGEST_WAIT = 1.0  # [s] between progress reports
 LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
 ACKNOWLEDGED_IN = 1.0  # [s], maximum
 
@@ -83,7 +83,7 @@ class Player:
         self._refused: set[str] = set()
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
-        """Play to the end, or until stopped. This blocks, so don't call it on a thread whose event loop runs.
+        """Play to the end, or until stopped. This blocks, so don't call it on a thread whose event loop is running.
 
         Playing starts when the node graph is known and all existing subscriptions have discovered the publishers, or
         after 2 s.
@@ -177,12 +177,12 @@ class Player:
         """Return the full name of a topic in the bag; as in ros2 bag, a relative name is in the node's namespace.
 
         Raises:
-            TutorialError: the name breaks the rules.
+            TutorialError: the name breaks the naming rules.
         """
         try:
             name = full_topic(self._node, topic)
         except TutorialError:
             name = ""
         if not is_valid_topic(name):
-            raise TutorialError("the name breaks the rules of ROS 2")
+            raise TutorialError("the name breaks ROS 2's naming rules")
         return name

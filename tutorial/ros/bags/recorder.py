@@ -23,7 +23,7 @@ from tutorial.ros.topics.endpoints import publishers_on, reader_qos
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
-LOOK_EVERY = 0.1  # [s] between two checks for new topics and received messages
+LOOK_EVERY = 0.1  # [s] between checks for new topics and received messages
 QUIET = 0.1  # [s] of silence before the recorder stops expecting messages
 FLUSH_EVERY = 1.0  # [s]; a killed recording lacks this much at its end
 DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
@@ -52,7 +52,8 @@ class Recorder:
         error: why writing has stopped; None while all is well.
 
     Raises:
-        TutorialError: the folder exists or cannot be created, or a topic's name breaks the rules. When the context
+        TutorialError: the folder exists or cannot be created, or a topic's name breaks the naming rules. When the
+        context
             ends: the bag could not be completed.
     """
 
@@ -181,7 +182,7 @@ class Recorder:
         if not publishers:
             return
         if not is_valid_topic(topic):
-            raise TutorialError("its name breaks the rules of ROS 2")
+            raise TutorialError("its name breaks ROS 2's naming rules")
         if len(types) > 1:
             raise TutorialError(f"it has several types, {', '.join(map(escape_name, types[:10]))}")
         kind, request = message_class(types[0]), reader_qos(self._node, topic)

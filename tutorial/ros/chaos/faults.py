@@ -18,7 +18,7 @@ Change = Callable[[Random, Any], None]
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
 LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # delay of a late message
-AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a wrong clock can be ahead
+AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far ahead a wrong clock can be
 
 MARKUP = (
     "<b>TURRET_Y</b>",
@@ -44,7 +44,7 @@ FAULTS = {
     "infinite": "a position is infinite",
     "huge": "a position is beyond any range",
     "markup": "an extra name contains HTML",
-    "control": "an extra name contains control or direction characters",
+    "control": "an extra name contains control characters or reverses the text direction",
     "short": "fewer positions than names",
     "long": "more positions than names",
     "late": "a message is held back for up to 0.3 s, and arrives after newer ones",

@@ -17,7 +17,7 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
 _log = logging.getLogger(__name__)
 
-READ_EVERY = 0.1  # [s] between two reads of the graph
+READ_EVERY = 0.1  # [s] between reads of the graph
 QUIET_READS = 5  # consecutive equal reads before the graph counts as known
 PATIENT_READS = 30  # the same for a real rclpy that may still discover more: see `_reads`
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read

@@ -16,8 +16,8 @@ from tutorial.ros.topics.names import full_topic
 from tutorial.ros.topics.populate import Populated
 
 DEPTH = 10  # depth of the queue, as in rclpy's default profile
-LOOK_EVERY = 0.1  # [s] between two checks for subscriptions
-TELL_EVERY = 10  # number of checks between two messages about waiting
+LOOK_EVERY = 0.1  # [s] between checks for subscriptions
+TELL_EVERY = 10  # number of checks between messages about waiting
 KEEP_ALIVE = 0.1  # [s] that the publisher lives after its last message, as in ros2
 ACKNOWLEDGED_IN = 1.0  # [s], maximum
 
@@ -38,7 +38,7 @@ async def topic_pub(
         Text, as ``ros2 topic pub`` prints it.
 
     Raises:
-        TutorialError: the topic's name breaks the rules; the error has the text of ROS 2.
+        TutorialError: the topic's name breaks the naming rules; the error has the text of ROS 2.
     """
     message = populated.message
     try:

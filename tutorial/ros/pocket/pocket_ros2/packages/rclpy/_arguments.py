@@ -106,7 +106,7 @@ class Arguments:
         """Check the enclave's name. It has no other effect here.
 
         Raises:
-            RCLError: the name breaks the rules.
+            RCLError: the name breaks the naming rules.
         """
         if self.enclave != "/" and (found := problem(NAMESPACE, self.enclave)):
             text, index = found

@@ -54,8 +54,8 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
         is_service: whether this is the name of a service. The rules are the same.
 
     Raises:
-        InvalidTopicNameException: the name breaks the rules.
-        InvalidServiceNameException: the name breaks the rules, and is the name of a service.
+        InvalidTopicNameException: the name breaks the naming rules.
+        InvalidServiceNameException: the name breaks the naming rules, and is the name of a service.
     """
     return _valid(TOPIC_NAME, name, InvalidServiceNameException if is_service else InvalidTopicNameException)
 
@@ -74,7 +74,7 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
         node_namespace: the node's namespace; absolute, such as ``"/"`` or ``"/Tank"``.
 
     Raises:
-        ValueError: a name or the namespace breaks the rules.
+        ValueError: a name or the namespace breaks the naming rules.
     """
     for kind, name, rules in (("topic name", topic_name, TOPIC_NAME), ("node name", node_name, NODE_NAME)):
         if found := problem(rules, name):

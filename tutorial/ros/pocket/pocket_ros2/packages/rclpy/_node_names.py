@@ -38,7 +38,7 @@ class NodeNames(Destroyable):
         """Return a topic's full name, remapped unless ``only_expand`` is true.
 
         Raises:
-            RCLError: the name breaks the rules.
+            RCLError: the name breaks the naming rules.
         """
         self._require_handle()
         try:
@@ -55,7 +55,7 @@ class NodeNames(Destroyable):
 
         Raises:
             ValueError: the name cannot be expanded.
-            InvalidTopicNameException: the expanded name breaks the rules.
+            InvalidTopicNameException: the expanded name breaks the naming rules.
         """
         full_name = _names.expand_topic_name(topic_name, self.get_name(), self.get_namespace())
         _names.validate_full_topic_name(full_name)

@@ -369,7 +369,7 @@ class NodeParameters:
         return SetParametersResult(successful=True)
 
     def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
-        """Return the event's list that a parameter's change belongs to. Call this before setting the parameter."""
+        """Return the list in the event that a parameter's change belongs in. Call this before setting the parameter."""
         if parameter.type_ == Parameter.Type.NOT_SET and not is_declared_now:
             changes = event.deleted_parameters
         elif self.get_parameter_or(parameter.name).type_ == Parameter.Type.NOT_SET:

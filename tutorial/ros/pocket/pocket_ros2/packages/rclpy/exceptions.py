@@ -29,7 +29,7 @@ class NoTypeSupportImportedException(Exception):  # noqa: N818
 
 
 class NameValidationException(Exception):  # noqa: N818
-    """A name breaks the rules for names; the message marks the position."""
+    """A name breaks the naming rules; the message marks the position."""
 
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
@@ -43,25 +43,25 @@ class _InvalidName(NameValidationException):
 
 
 class InvalidNodeNameException(_InvalidName):
-    """A node name breaks the rules for names."""
+    """A node name breaks the naming rules."""
 
     kind = "node name"
 
 
 class InvalidNamespaceException(_InvalidName):
-    """A namespace breaks the rules for names."""
+    """A namespace breaks the naming rules."""
 
     kind = "namespace"
 
 
 class InvalidTopicNameException(_InvalidName):
-    """A topic name breaks the rules for names."""
+    """A topic name breaks the naming rules."""
 
     kind = "topic name"
 
 
 class InvalidServiceNameException(_InvalidName):
-    """A service name breaks the rules for names."""
+    """A service name breaks the naming rules."""
 
     kind = "service name"
 

@@ -66,7 +66,7 @@ class Node(NodeGraph, NodeParameters):
 
     Raises:
         NotInitializedException: ``rclpy.init()`` has not been called.
-        NameValidationException: the name or the namespace breaks the rules.
+        NameValidationException: the name or the namespace breaks the naming rules.
     """
 
     _clock_subscription: Subscription  # exists while the node uses simulated time
@@ -183,7 +183,7 @@ class Node(NodeGraph, NodeParameters):
             **options: rclpy's other options, which the pocket ROS 2 does not have.
 
         Raises:
-            InvalidTopicNameException: the name breaks the rules.
+            InvalidTopicNameException: the name breaks the naming rules.
             RCLError: the context has been shut down.
         """
         _absent.refuse("Node.create_publisher", options)
@@ -212,7 +212,7 @@ class Node(NodeGraph, NodeParameters):
             **options: rclpy's other options, which the pocket ROS 2 does not have.
 
         Raises:
-            InvalidTopicNameException: the name breaks the rules.
+            InvalidTopicNameException: the name breaks the naming rules.
             RCLError: the context has been shut down.
         """
         _absent.refuse("Node.create_subscription", options)
@@ -318,7 +318,7 @@ class Node(NodeGraph, NodeParameters):
         Raises:
             ValueError: the depth is negative.
             TypeError: the profile is not a QoSProfile or an int.
-            InvalidTopicNameException: the topic's name breaks the rules.
+            InvalidTopicNameException: the topic's name breaks the naming rules.
             AttributeError: the type is not a message type.
         """
         if isinstance(qos_profile, int):

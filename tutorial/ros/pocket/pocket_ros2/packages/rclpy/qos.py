@@ -123,7 +123,7 @@ class QoSProfile:
         reliability: whether lost messages are sent again.
         durability: whether a late subscription receives earlier messages.
         lifespan: maximum age of a message; 0 means no limit, here and in the durations below.
-        deadline: longest expected time between two messages.
+        deadline: longest expected time between messages.
         liveliness: how a publisher shows that it is alive.
         liveliness_lease_duration: how long a publisher can be silent before it counts as gone.
         avoid_ros_namespace_conventions: use the topic's name unchanged in DDS.
