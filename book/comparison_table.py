@@ -63,7 +63,7 @@ def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
 
 def _words(found: Counter[str], said: bool, ended: bool) -> str:
     bad = [f"{verdict} {100 * found[verdict] / MESSAGES:.0f} %" for verdict in ("stale", "wrong") if found[verdict]]
-    end = ["ends"] if ended else ["said"] if said else ["silent"] if bad else []
+    end = ["ends"] if ended else ["reported"] if said else ["silent"] if bad else []
     return ", ".join([*(bad or ["right"]), *end])
 
 

@@ -31,7 +31,7 @@ async def test_rail_and_stick_move_the_turret_in_both_programs(domain):
         tank = simulation.simulation.bodies["Tank"]
         await drive(1.0, 0.0, 0.0, 0.0, 0.0)
         at_rest = tank.joint("TURRET_P").position
-        await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # ahead, without moving the turret
+        await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # forward, without moving the turret
         assert tank.joint("TURRET_P").position - at_rest > 0.01
         await until(lambda: viewer.record()["joints"] == simulation.record()["joints"])
         shown = viewer.record()

@@ -68,7 +68,7 @@ def test_arrows_start_above_the_sensor_and_turn_with_the_body(stage):
     red, blue = stage.arrows(RED)[-1], stage.arrows(BLUE)[-1]
     assert red[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.35])
     assert blue[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.45])
-    assert red[:3, 2] == pytest.approx([0.0, 0.2, 0.0], abs=1e-9)  # ahead is y, with 0.05 m per m/s^2
+    assert red[:3, 2] == pytest.approx([0.0, 0.2, 0.0], abs=1e-9)  # forward is y, with 0.05 m per m/s^2
     assert blue[:3, 2] == pytest.approx([0.0, 0.0, -0.2], abs=1e-9)
     said = ("Tank", "angular velocity", "0.00", "0.00", "-2.00", "rad/s", "blue arrow")
     assert stage.view.readings("Tank")[1] == said
