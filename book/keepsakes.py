@@ -93,7 +93,7 @@ class _Kept:
             self._write()
 
     def draw(self) -> None:
-        """Choose the frames that show the effect of the last cell, and write the pictures that have grown."""
+        """Choose the frames that show the effect of the last cell, and write the pictures that have changed."""
         for view, (_, _, recorder) in list(self._running.items()):
             if recorder not in self._telling:
                 self._programs[view].host.refresh()

@@ -96,7 +96,7 @@ class Joint:
         """Position [rad or m] that the joint's position servo holds. Setting it commands the servo.
 
         Raises:
-            TutorialError: the joint has no position servo, or several; the error names the actuator and its kind.
+            TutorialError: the joint has no position servo, or more than one; the error names the actuator and its kind.
         """
         command = self._find_target_command()
         return (self._ctrl.item(command.adr) - command.offset) / command.scale
@@ -348,8 +348,8 @@ class Body:
         """Call the observers, so that the view shows the change.
 
         Args:
-            report: which joints the message that changed the body could move, and its faults; None for a change without
-                a message. The body only passes it on, because a controller does not know the observers.
+            report: the joints that the message could move, and its faults; None for a change without a message. The
+            body only passes it on, because a controller does not know the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):

@@ -103,7 +103,7 @@ class CallQueue:
             self._waiting.clear()
 
     def _post(self, call: _Call, key: Hashable) -> None:
-        """Queue a call, or replace the waiting call with its key. Do nothing if the queue or the scope is closed."""
+        """Queue a call, or replace the one with the same key. Do nothing if the queue or the scope is closed."""
         with self._lock:
             if self._closed or call.scope.closed or not self._request_turn():
                 return

@@ -25,7 +25,7 @@ PAUSE_NS = 10 * SECOND_NS  # [ns] the longest pause that one of several publishe
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
 SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
-NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # of a jump's length: how near it ends to the position before last, or to a rival's
+NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # share of a jump: how near it ends to the position before last, or a rival's
 COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
 SILENT_AFTER = 25  # dropped messages in a row, per rival; then the followed publisher counts as silent
 SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; any other jump cancels 1/4 of one
@@ -227,7 +227,7 @@ class _Publishers:
         return self._until_recount >= 0 or self._recount() <= 1
 
     def rivals(self, positions: Mapping[str, float]) -> int:
-        """Note which joints are published together, and count the other publishers that may share them."""
+        """Record which joints are published together, and count the other publishers that may share them."""
         count, joints = self._recount(), set(positions)
         apart = [group for group in self._groups if count > 1 and group.isdisjoint(joints)]
         self._groups = [*apart, joints.union(*(group for group in self._groups if group not in apart))]
@@ -244,7 +244,7 @@ class _Publishers:
             return Arrival.NEXT
         track.dropped += 1
         switches = track.dropped >= SILENT_AFTER * rivals  # at once if no rival is left
-        rival = track.positions if switches else positions  # from now on, whoever is not followed is the rival
+        rival = track.positions if switches else positions  # the publisher that is not followed is now the rival
         self._rival_positions |= {joint: rival[joint] for joint in positions}
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
 

@@ -55,8 +55,8 @@ class Simulation:
     ABANDONED  refused         never        never                never
     =========  ==============  ===========  ===================  ============================
 
-    A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, the only method of a
-    controller that is called is `stop`. If it raises during a run, in `release`, the run goes on, and ends in FAILED.
+    A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, `stop` is the only method
+    of a controller that is called. If it raises during a run, in `release`, the run goes on, and ends in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
@@ -95,7 +95,7 @@ class Simulation:
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
         # The last run that stepped, and the last one that stopped controllers. They can overlap: release() stops some
-        # controllers while a different thread steps the rest. Before the first run, both are one that has finished.
+        # controllers while a different thread steps the rest. Before the first run, both refer to a finished run.
         self._step_run = self._stop_run = Run(threading.current_thread())
         self._step_run.finished.set()
 

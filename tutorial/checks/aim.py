@@ -173,7 +173,7 @@ CASES = [
 
 
 def describe(torque: Any) -> str:
-    """Put one torque [N.m], or several, into words."""
+    """Describe one or more torques [N.m]."""
     if isinstance(torque, tuple):
         return " and ".join(map(describe, torque))
     return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")

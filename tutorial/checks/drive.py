@@ -121,7 +121,7 @@ WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
 
 
 def speeds(rig: Rig) -> str:
-    """Put the commanded speeds into words, and report any other commands."""
+    """Describe the commanded speeds, and report any other commands."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
     more = ", and the turret or the barrel moves, too" * any(turret)
     more += ", and the displayed copy is commanded" * any(rig.displayed.data.ctrl)

@@ -160,7 +160,7 @@ CASES = [
 
 
 def describe(seen: Any) -> str:
-    """Describe the value of `fire` in words, for one tank or for two."""
+    """Describe the value of `fire`, for one tank or for two."""
     if isinstance(seen, list):
         return ", and ".join(map(describe, seen))
     return f"self.fire holds {seen}" if isinstance(seen, bool) else str(seen)

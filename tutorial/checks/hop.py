@@ -98,7 +98,7 @@ class HopViewer(SimpleController):
 
 
 class Hall(Viewer):
-    """A viewer whose body can be put anywhere. Its methods describe what is seen."""
+    """A viewer whose body can be put anywhere. Its methods describe what is visible."""
 
     place: Vector
 

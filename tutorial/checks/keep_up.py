@@ -70,11 +70,11 @@ POST = "self.call_latest(self.body.name, self.update, message)"
 
 
 def burst(begin: int, look: Callable[[Viewer, Sequence[str]], str]) -> Step:
-    """Make a step that delivers many messages while the main thread is busy, then observes something.
+    """Make a step that delivers many messages while the main thread is busy, then makes an observation.
 
     Args:
         begin: the number of the first message, counted over all bursts.
-        look: returns the observation, given the viewer and the messages' joint positions in words.
+        look: returns the observation, given the viewer and descriptions of the messages' joint positions.
     """
 
     def step(viewer: Viewer) -> str:

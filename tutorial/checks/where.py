@@ -172,7 +172,7 @@ CASES = [
 
 
 def describe(numbers: Sequence[float]) -> str:
-    """Format a position [m] with at most four decimals: different numbers look different, and rounded ones rounded."""
+    """Format a position [m] with at most four decimals: different numbers look different, rounded ones look rounded."""
     return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 

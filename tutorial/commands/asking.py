@@ -21,7 +21,7 @@ from tutorial.system.printing import print_text
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import NodeThread
 
-BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when the reader of a pipe has gone
+BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when the reader of a pipe is gone
 
 
 def query(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:

@@ -34,7 +34,7 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     help="Put this fault into a share of the messages, 0 to 1; by default into all. Can be repeated.",
 )
 @click.option(
-    "--from", "good", metavar="TOPIC", help="Take the correct messages from this topic, in place of a steady swing."
+    "--from", "good", metavar="TOPIC", help="Take the correct messages from this topic, instead of a steady swing."
 )
 @click.option(
     "--seed",

@@ -39,7 +39,7 @@ class ScriptedDrive:
         path: the file. With ``repeat: true`` the drive starts again at the time of its last entry.
 
     Raises:
-        TutorialError: the file is missing or malformed; the error names the line and a fix.
+        TutorialError: the file is missing or malformed; the error gives the line and a fix.
     """
 
     def __init__(self, path: Path) -> None:

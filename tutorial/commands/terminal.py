@@ -45,7 +45,8 @@ def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = la
     until the process ends, because the cleanup can get stuck, too.
 
     Args:
-        ask: called on that thread at the first signal. Its exceptions are ignored, as the program can be over already.
+        ask: called on that thread at the first signal. Its exceptions are ignored, because the program may already have
+        ended.
         at_once: called on that thread at the second signal, before the process ends with the signal's exit status.
     """
     read_end, write_end = os.pipe()

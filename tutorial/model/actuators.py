@@ -73,7 +73,7 @@ def target_command(model: mujoco.MjModel, joint: int) -> Command:
     The servo rests where ``gain * ctrl + offset - stiffness * gear * position`` is 0.
 
     Raises:
-        TutorialError: the joint has no position servo, or several.
+        TutorialError: the joint has no position servo, or more than one.
     """
     actuators = _enabled(model, joint)
     servos = [each for each in actuators if _is_position_servo(model, each)]

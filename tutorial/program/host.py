@@ -41,8 +41,8 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     Args:
         project: the project to run.
-        ros_args: command line arguments; ROS 2 reads those after ``--ros-args``. The node is called ``tank`` unless it
-            is remapped.
+        ros_args: command line arguments; ROS 2 reads the ones after ``--ros-args``. The node is called ``tank`` unless
+            it is remapped.
         view: drawn while its scene is watched; None to show nothing.
         trace: records when each message is received, posted and applied; None to record nothing.
 

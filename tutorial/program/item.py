@@ -116,7 +116,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Note a rival's message. From time to time, look up the publishers, and log a change."""
+        """Record that a rival's message has arrived. From time to time, look up the publishers, and log a change."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return

@@ -88,7 +88,7 @@ class Project:
 
         Raises:
             TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; the
-                error names the line and the fix.
+                error gives the line and the fix.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         items: dict[str, BodyItem] = {}

@@ -64,7 +64,7 @@ class YamlFile(Generic[T]):
         data: the file's content.
 
     Raises:
-        TutorialError: the file is missing, is not YAML, or does not fit the type; the error names the line and the fix.
+        TutorialError: the file is missing, is not YAML, or does not fit the type; the error gives the line and the fix.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:

@@ -19,7 +19,7 @@ _EMPTY = {
 """The instructions that occur in a function that does nothing, or only raises an exception."""
 
 _OURS = ("builtins", "tutorial.controller")
-_ENGINE = "tutorial.checks.engine."  # an answer's class may hold functions from here
+_ENGINE = "tutorial.checks.engine."  # functions from here can be part of an answer's class
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:

@@ -143,7 +143,7 @@ class Cases:
         cases: the cases, in the order in which they run.
         mistakes: the known mistakes, the root causes first.
         meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
-        describe: puts an observation into words.
+        describe: describes an observation.
         beside: functions of the solution's module that mistakes can change, too.
         clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it is allowed to.
         on_ros: tries a right answer with rclpy's own node, and describes the result.

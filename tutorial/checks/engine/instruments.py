@@ -25,7 +25,7 @@ _BETWEEN = {module.__file__ for module in (threading, queue, futures, pools)}
 
 
 class Instruments:
-    """Replace functions of `time` and `threading` in a ``with`` block, so the current trial notes the learner's calls.
+    """Replace functions of `time` and `threading` in a ``with`` block, to record the learner's calls in the trial.
 
     Calls from any other code are passed on unchanged.
 
@@ -54,7 +54,7 @@ class Instruments:
         return self.trial
 
     def _noting(self, what: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Wrap a function so that it notes the learner's calls. A clock stands still for them if the trial stops it."""
+        """Wrap a function to record the learner's calls. A clock stands still for them if the trial stops it."""
 
         @wraps(function)
         def noting(*args: Any, **kwargs: Any) -> Any:

@@ -21,8 +21,8 @@ EARLY = "You probably create the subscription before the attributes that its cal
 def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:
     """Run a function on this thread, and interrupt the learner's code in it from another thread.
 
-    A scheduler interrupts at random. With this function, a check can try every place, and so finds every race or rules
-    it out. A turn that waits for a lock of the function ends after the function.
+    A scheduler interrupts at random. This function lets a check try every place, and so find every race or rule it
+    out. A turn that waits for a lock held by the function ends after the function.
 
     Args:
         trial: the trial whose code is interrupted.

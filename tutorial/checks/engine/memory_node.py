@@ -62,7 +62,7 @@ class MemoryNode:
     """The part of rclpy's node that a controller uses. No message leaves it.
 
     Args:
-        trial: notes that the answer makes a timer.
+        trial: records that the answer makes a timer.
         publish: called with a publisher and each message that it publishes.
         namespace: the node's namespace.
 
@@ -97,7 +97,7 @@ class MemoryNode:
         return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
 
     def create_timer(self, *_: Any) -> None:
-        """Note ``"timer"``. The timer never fires."""
+        """Record ``"timer"``. The timer never fires."""
         self._trial.note("timer", sys._getframe())
 
     @property
@@ -132,7 +132,7 @@ class MemoryNode:
         raise Failure("unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")))
 
     def destroy_node(self) -> None:
-        """Note that the learner has destroyed the whole node."""
+        """Record that the learner has destroyed the whole node."""
         self.destroyed = True
 
     def _drop(self, has_callback: bool, endpoint: Endpoint) -> bool:

@@ -34,7 +34,7 @@ class Publishing:
         topic: the topic without the body's name.
         hz: how many messages to send per simulated second.
         scene: makes a rig, given a trial and options of `Rig`.
-        content: puts the content of messages into words, given the rig and the sent messages.
+        content: describes the content of messages, given the rig and the sent messages.
         time: the solution's expression for the stamp [ns].
         namespaces: whether the topic has to be in the node's namespace.
     """
@@ -131,7 +131,7 @@ class Publishing:
         return lambda trial: self.held(self.play(trial, seconds, **options), look)
 
     def held(self, rig: Rig, look: Look | None = None) -> Any:
-        """Put the content of a rig's messages into words."""
+        """Describe the content of a rig's messages."""
         sent = self.messages(rig)
         return (look or self.content)(rig, sent) if sent else NOTHING
 
@@ -151,7 +151,7 @@ class Publishing:
         return lambda trial: self.often(self.play(trial, 4.3 / self.hz, ms))
 
     def often(self, rig: Rig) -> Any:
-        """Put into words how often a message was sent; if it is wrong, add the numbers of steps between messages."""
+        """Describe how often a message was sent; if the rate is wrong, add the numbers of steps between messages."""
         time_step, steps = rig.io.time_step, [each.step for each in self.messages(rig)]
         if len(steps) < 2:
             if rig.has_threads:
@@ -220,19 +220,19 @@ class Publishing:
 
 
 def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any], str]) -> Any:
-    """Put the first wrong value into words, and return it together with all values.
+    """Describe the first wrong value, and return the description together with all values.
 
     Args:
         pairs: the sent values, each with the expected value.
         right: the result if no value is wrong.
-        word: puts a value into words.
+        word: describes a value.
     """
     odd = [f"{word(seen)} instead of {word(wanted)}" for seen, wanted in pairs if not same(seen, wanted)]
     return {odd[0]: [seen for seen, _ in pairs]} if odd else right
 
 
 def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
-    """Put stamps [ns] into words, each given with the expected stamp [ns]."""
+    """Describe stamps [ns], each given with the expected stamp [ns]."""
     if not pairs:
         return NOTHING
     if any(stamp > 10**18 for stamp, _ in pairs):
@@ -241,5 +241,5 @@ def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
 
 
 def describe(seen: Any) -> str:
-    """Put an observation into words; for a mapping, only its keys."""
+    """Describe an observation; for a mapping, only its keys."""
     return "; ".join(map(describe, seen)) if isinstance(seen, list | dict) else str(seen)

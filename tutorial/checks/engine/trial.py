@@ -125,7 +125,7 @@ class Trial:
         return Failure(method, error, self.place(reversed([*walk_tb(error.__traceback__)])))
 
     def note(self, what: str, frame: FrameType) -> None:
-        """Note what the answer uses, such as ``"clock"``; a sleep only on a thread that runs one of the methods."""
+        """Record what the answer uses, such as ``"clock"``; a sleep only on a thread that runs one of the methods."""
         if what != "sleep" or self.running[threading.get_ident()]:
             self.noted.setdefault(what, self.place(walk_stack(frame)))
 

@@ -32,7 +32,7 @@ ENDLESS = "The posted call probably posts itself again. Post the method that sho
 
 
 class _Guard(ThreadGuard):
-    """A guard that raises no exceptions, but notes ``"touch"`` if a thread other than the main one uses the body.
+    """A guard that raises no exceptions, but records ``"touch"`` if a thread other than the main one uses the body.
 
     This way the check also sees what the code does next, for example that it posts a method's return value.
     """
@@ -42,7 +42,7 @@ class _Guard(ThreadGuard):
         self._trial = trial
 
     def check(self, _action: str) -> None:
-        """Note a call from a thread other than the main one."""
+        """Record a call from a thread other than the main one."""
         if threading.get_ident() != self._ident and not self._trial.is_interleaved:
             self._trial.note("touch", sys._getframe())
 
@@ -138,7 +138,7 @@ class Viewer:
         return str(self.node.check_left())
 
     def where(self) -> str:
-        """Return the joints' positions [rad or m], in words."""
+        """Describe the joints' positions [rad or m]."""
         return ", ".join(f"{joint.name} at {round(joint.position, 6) + 0.0:g}" for joint in self.body.joints)
 
     def news(self) -> str:

@@ -11,7 +11,7 @@ from tutorial.checks.engine.real_dds import ros_node, send
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.engine.viewer import Viewer
 
-# A step of a case: a function that takes the viewer, and can return an observation in words.
+# A step of a case: a function that takes the viewer, and can return an observation as text.
 Step = Callable[[Any], str | None]
 
 POST = "self.call_later(self.update, message)"

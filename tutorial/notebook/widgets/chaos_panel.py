@@ -14,7 +14,7 @@ LOOK = 0.5  # [s] between updates of the counts
 
 
 class ChaosPanel(VBox):  # type: ignore[misc]
-    """Sets the share of messages that each fault hits. Make it on the main thread, while its event loop is running.
+    """Sets the share of messages that each fault hits. Create it on the main thread, while its event loop is running.
 
     Its node, ``chaos``, publishes on a separate thread, even while a cell is busy.
 

@@ -74,7 +74,7 @@ class GraphWatch:
     def look(self) -> Topology:
         """Query the graph, which takes some milliseconds, or longer for a large graph. Runs on the executor's thread.
 
-        If there are too many topics, the topics of the last look take precedence.
+        If there are too many topics, the topics of the last query take precedence.
         """
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
         chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST])

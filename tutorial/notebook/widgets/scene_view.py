@@ -8,8 +8,8 @@ from tutorial.view.scene import Scene
 class SceneView(FrameWidget):
     """Shows a scene in any number of cells, on every page that has the notebook open.
 
-    Make it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when that
-    thread is free; a page that already shows it immediately receives what a busy cell flushes.
+    Create it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when
+    that thread is free; a page that already shows it immediately receives what a busy cell flushes.
 
     Args:
         scene: the scene to show.

@@ -1,4 +1,4 @@
-"""Show what arrives on a topic: ``ros2 topic echo`` and ``hz``, as text.
+"""Show what arrives on a topic, with the output of ``ros2 topic echo`` and ``ros2 topic hz`` as text.
 
 The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
 """
@@ -43,7 +43,7 @@ async def topic_echo(
 
     Args:
         node: the node that subscribes; its thread must spin.
-        topic: its name; if it does not exist, wait for it a little.
+        topic: its name; if it does not exist, wait for it briefly.
         once: end after the first message instead of continuing forever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show only the type and length of each array.
@@ -53,7 +53,8 @@ async def topic_echo(
         The text of a message, with the closing ``---``.
 
     Raises:
-        TutorialError: the topic or the field is unknown, in the words of ``ros2``; or no message arrived in time.
+        TutorialError: the topic or the field is unknown, with the error text of ``ros2``; or no message arrived in
+        time.
     """
     topic = await _known(node, topic)
     type_name = _type_of(node, topic)
@@ -75,7 +76,7 @@ async def topic_hz(
 
     Args:
         node: the node that subscribes; its thread must spin. If it uses simulated time, intervals are measured in it.
-        topic: its name; if it does not exist, wait for it a little, then yield a warning and keep waiting.
+        topic: its name; if it does not exist, wait for it briefly, then yield a warning and keep waiting.
         window: the number of recent intervals to average over.
         timeout: maximum wait for the topic, and then for each message [s]; None to wait forever.
 
@@ -165,7 +166,7 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
 
 
 async def _known(node: Node, topic: str) -> str:
-    """Wait a little for a topic, and return its full name."""
+    """Wait briefly for a topic, and return its full name."""
     name = full_topic(node, topic)
     await wait_for_graph(node, lambda: _type_of(node, name))
     return name

@@ -1,4 +1,4 @@
-"""List nodes and topics, and describe a topic: ``ros2 node list``, ``topic list`` and ``topic info``, as text.
+"""List nodes and topics, and describe a topic, as ``ros2 node list``, ``topic list`` and ``topic info`` do.
 
 The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names are escaped with
 `escape_name`; ``ros2`` prints them unchanged.
@@ -55,7 +55,7 @@ async def topic_list(node: Node, show_types: bool = False) -> str:
 
 
 async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
-    """Describe a topic's publishers and subscriptions, like ``ros2 topic info``; wait a little for the topic.
+    """Describe a topic's publishers and subscriptions, like ``ros2 topic info``; wait briefly for the topic.
 
     Args:
         node: the node that queries the graph; its thread must spin.
@@ -63,7 +63,7 @@ async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
         verbose: describe each publisher and subscription with its QoS, as with ``-v``.
 
     Raises:
-        TutorialError: there is no such topic; the error has the text of ``ros2``.
+        TutorialError: there is no such topic; the error text is the same as in ``ros2``.
     """
     await wait_for_graph(node, lambda: topic in topics_with_types(node, include_hidden=True))
     types = topics_with_types(node, include_hidden=True).get(topic)

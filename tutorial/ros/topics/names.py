@@ -59,7 +59,7 @@ def full_topic(node: Node, topic: str) -> str:
         topic: a user's name for it, such as ``"joy"`` or ``"/joy"``.
 
     Raises:
-        TutorialError: the name breaks the naming rules; the error has the text of ROS 2.
+        TutorialError: the name breaks the naming rules; the error text is the same as in ROS 2.
     """
     from rclpy.exceptions import NameValidationException
     from rclpy.expand_topic_name import expand_topic_name

@@ -47,8 +47,8 @@ def populated(type_name: str, text: str) -> Populated:
         text: the fields' values as YAML: ``"{header: auto, axes: [0.0, 0.5]}"``.
 
     Raises:
-        TutorialError: there is no such type, the text is not YAML, or a value does not fit its field; in the words of
-            ``ros2``.
+        TutorialError: there is no such type, the text is not YAML, or a value does not fit its field; the error text
+            is the same as in ``ros2``.
     """
     try:
         kind = message_class(type_name)

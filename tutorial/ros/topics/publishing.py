@@ -1,4 +1,4 @@
-"""Publish one message repeatedly: ``ros2 topic pub``, as text.
+"""Publish one message repeatedly, with the output of ``ros2 topic pub`` as text.
 
 The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
 """
@@ -38,7 +38,7 @@ async def topic_pub(
         Text, as ``ros2 topic pub`` prints it.
 
     Raises:
-        TutorialError: the topic's name breaks the naming rules; the error has the text of ROS 2.
+        TutorialError: the topic's name breaks the naming rules; the error text is the same as in ROS 2.
     """
     message = populated.message
     try:

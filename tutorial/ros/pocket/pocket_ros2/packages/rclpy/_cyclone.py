@@ -58,7 +58,7 @@ _forked = False
 
 
 class Payload:
-    """CDR bytes on their way into or out of Cyclone DDS, which handles this class like one of its own structs.
+    """CDR bytes going into or out of Cyclone DDS, which handles this class like one of its own structs.
 
     A received message is therefore decoded only where it is needed, on any thread, and a malformed message does not
     affect later ones.
