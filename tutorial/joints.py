@@ -168,7 +168,7 @@ class JointMatcher:
         ahead = stamp_ns - last.stamp_ns  # infinite for the first message
         steady = 0 < ahead <= SECOND_NS or ahead == stamp_ns == 0  # both are 0 if the publisher does not set the stamps
         if steady and plan.names == message.name and plan.length == len(message.position) and self._publishers.alone():
-            positions = plan.positions(list(message.position))  # a list is read faster than an array
+            positions = plan.positions(list(message.position))  # reading a list is faster than reading an array
             if positions is not None:
                 last.positions, last.stamp_ns, last.dropped = positions, stamp_ns, 0
                 return positions, plan.report

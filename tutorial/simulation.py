@@ -66,7 +66,7 @@ class Simulation:
         bodies, model, time_step: the world's.
         snapshot: the world's newest state, for other threads.
         state: the current state.
-        error: the last error of a controller since the last start; None if there was none.
+        error: the last error of a controller since the last start, or None.
         rest: the pause between batches of steps in real time [s]. A longer pause takes less processor time.
 
     Raises:
@@ -203,7 +203,7 @@ class Simulation:
         with self._turn("release()"):
             self._check_abandoned()
             leaving = self.world.release(body)
-            if not self._step_run.wait_for_lap(STUCK):  # until then, a step may still call the leaving controllers
+            if not self._step_run.wait_for_lap(STUCK):  # until then, a step may still call these controllers
                 self._abandon(self._step_run)
             if self.world.initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)

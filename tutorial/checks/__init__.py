@@ -7,7 +7,7 @@ In a notebook::
     drive.hint()
     drive.solution()
 
-Each exercise has a module of the same name. Each step's module, such as `tank_controller`, lists the exercises of its
+Each exercise has a module with the same name. Each step's module, such as `tank_controller`, lists the exercises of its
 notebook. The answer runs in a separate process and ROS domain, on simulated time, so it cannot disturb the learner's
 programs.
 

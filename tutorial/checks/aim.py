@@ -93,7 +93,7 @@ MISTAKES = [
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = q_ref")),
     Mistake("you don't store q_ref in self.q_ref. The next call starts from it.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
-    Mistake("you set self.q_prev to the reference. Store q there, the joint's angle.",
+    Mistake("you set self.q_prev to the reference. Store the joint's angle there, q.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
     Mistake("you compute the torque with the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),

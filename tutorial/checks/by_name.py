@@ -134,8 +134,8 @@ CASES = [
          "You probably expect a name for every position. Use zip: it leaves out positions without a name.",
          crashes=True),
     Case("names that are almost right", heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
-         "You probably change names before you compare them, or compare "
-         "parts. A name counts only if it equals a joint's name.", crashes=True),
+         "You probably change names before you compare them, or you compare only "
+         "parts of them. A name counts only if it equals a joint's name.", crashes=True),
     Case("a position with many digits", heard(BODY, (0.123456, -9.23456, 0.3)),
          "You probably convert or round positions, or drop their sign. Return them unchanged.", crashes=True),
     Case("a message for the crane", heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),

@@ -32,7 +32,7 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
 def exercise_names(step: int | None = None) -> dict[str, list[str]]:
     """Return the names of a step's exercises, or of all exercises, by notebook.
 
-    Each exercise has a module of the same name. The function imports none of them, so it works without rclpy.
+    Each exercise has a module with the same name. The function imports none of them, so it works without rclpy.
     """
     notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
     modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if not each.ispkg]

@@ -56,7 +56,7 @@ class Exercise:
         self._seen = dict[Hashable, Any]()  # the twins, and the observations of the solution and its twins
 
     async def check(self, answer: Any = None) -> None:
-        """Run an answer in a separate process, and print what is right and what is not.
+        """Run an answer in a separate process, and print what is right and what is wrong.
 
         This takes a few seconds. Meanwhile the event loop keeps running: views move, and an interrupt ends the check.
 

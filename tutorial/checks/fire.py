@@ -144,7 +144,7 @@ CASES = [
          "You probably put True only when the button goes down. Put True while it is pressed."),
     Case("button 0 is released", after((1, 0), (0, 0)), "True stays: you probably don't put False after the "
          "release, or you ignore messages in quick succession."),
-    Case("button 0 is pressed, after a message with it released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 0 is pressed, after a message in which it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),

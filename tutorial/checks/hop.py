@@ -197,7 +197,7 @@ def in_a_crowd(hall: Hall) -> str:
 THEN = Hall.where, Hall.falls, Hall.where  # observed after a message
 hopped = partial(steps, viewer=Hall)
 STAYS = ("You probably put the body back in unconfigure even if it is "
-         "down. First test if it is up: self.timer is not None.")  # fmt: skip
+         "down. First test whether it is up: self.timer is not None.")  # fmt: skip
 CASES = [
     Case("accelerations x y z [m/s²]", hopped(mistaken),
          "You probably test a different condition. With a = message.linear_acceleration it is hypot(a.x, a.y) > 20, "

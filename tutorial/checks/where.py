@@ -85,7 +85,7 @@ MISTAKES = [
             replace("return point", "return point if transforms else None")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: go from the last transform to the first. "
-           "Each one turns the point, and then adds all of its translation, x, y and z.")  # fmt: skip
+           "Each one turns the point, and then adds its whole translation, x, y and z.")  # fmt: skip
 XYZ = "Return the three numbers x, y and z in a list, a tuple or an array. A message such as Point is none of these."
 
 Chain = Sequence[tuple[Any, Any, float]]  # translation [m], axis and angle of the rotation [deg]
@@ -145,7 +145,7 @@ IN_TURN = ("You probably expect a certain number of transforms, or a certain fra
 CASES = [
     Case("a frame that is only translated", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
          "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
-         "the wrong place (in ROS it is last), don't add all of the translation, or look for a certain frame."),
+         "the wrong place (in ROS it is last), don't add the whole translation, or look for a certain frame."),
     Case("a quarter turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
          "You probably have a mistake in the rotation itself: compare "
          "with turned(q, point). ROS uses x, y, z, w, with w last."),

@@ -1,4 +1,4 @@
-"""Make nodes for commands from ROS 2's arguments, and make commands that query ROS 2 through such a node."""
+"""Create nodes from a command's ROS 2 arguments, and commands that query ROS 2 through such a node."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 

@@ -41,7 +41,7 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     type=int,
     default=0,
     show_default=True,
-    help="Seed of the random choice; the same seed repeats the stream.",
+    help="Seed of the random number generator; the same seed repeats the stream.",
 )
 @click.pass_obj
 def chaos(ros_args: list[str], /, faults: dict[str, float], good: str | None, seed: int) -> None:

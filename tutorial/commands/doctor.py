@@ -43,7 +43,7 @@ RANGES = {
     "LOCALHOST": "nodes on this machine only",
     "SUBNET": "nodes on all machines of this network",
     "OFF": "no other node, not even on this machine",
-    "SYSTEM_DEFAULT": "what the middleware is configured for",
+    "SYSTEM_DEFAULT": "as configured in the middleware",
 }
 BY_HAND = ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "CYCLONEDDS_URI")
 """Other variables that affect discovery."""
@@ -53,7 +53,7 @@ class Diagnosis(NamedTuple):
     """The result of one probe.
 
     Attributes:
-        level: ``"ok"``; ``"note"`` if the result may surprise; ``"problem"`` if something does not work.
+        level: ``"ok"``; ``"note"`` if the result may be surprising; ``"problem"`` if something does not work.
         text: what the probe found.
         fix: the fix, such as a command. Notes and problems have one.
     """
@@ -192,7 +192,7 @@ def _kind() -> Kind:
 
 
 def discovery() -> Diagnosis:
-    """Report the range of discovery, and which variables change it."""
+    """Report the discovery range, and which variables change it."""
     reach = os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
         return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")

@@ -113,7 +113,7 @@ def publish_joystick(
     stop: threading.Event,
     progress: Callable[[float], object],
 ) -> float:
-    """Publish a joystick on ``joy`` at 50 Hz until the duration is over or `stop` is set.
+    """Publish a joystick on ``joy`` at 50 Hz until the time is up or `stop` is set.
 
     A scripted drive starts with the first subscription, so that the subscriber receives all of it. The last message
     centres the sticks.

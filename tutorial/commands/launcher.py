@@ -28,7 +28,7 @@ from tutorial.system.paths import with_own_commands
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
-TIMEOUT = 8.0  # [s] from asking a process to stop to killing it
+TIMEOUT = 8.0  # [s] between asking a process to stop and killing it
 LOOK_EVERY = 0.1  # [s] between checks of the running processes
 
 

@@ -60,5 +60,5 @@ def add_origin(parent: Element, matrix: Matrix) -> None:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Format numbers, separated by spaces, with twelve digits: far below a micrometre at the size of a robot."""
+    """Format numbers, separated by spaces, with twelve digits: far finer than a micrometre at the size of a robot."""
     return " ".join("0" if abs(value) < NOTHING else f"{value:.12g}" for value in values)

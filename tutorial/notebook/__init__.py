@@ -1,7 +1,7 @@
 """The API of the notebooks: programs, nodes, widgets and topic tools, each registered by name.
 
-Opening something closes its predecessor of the same name, so any cell can be run twice. `close_all` closes everything.
-Call these functions on the kernel's main thread.
+Opening something closes its predecessor with the same name, so any cell can be run twice. `close_all` closes
+everything. Call these functions on the kernel's main thread.
 """
 
 from collections.abc import Sequence

@@ -13,7 +13,7 @@ from tutorial.notebook.desk import until
 from tutorial.system import parent_watch
 from tutorial.system.paths import HOME, with_own_commands
 
-TIMEOUT = 5.0  # [s] from asking a command to stop to killing it
+TIMEOUT = 5.0  # [s] between asking a command to stop and killing it
 LONGEST = 120.0  # [s] the longest wait for a command that ends by itself
 LINES_KEPT = 1000
 

@@ -16,7 +16,7 @@ def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseExce
         view: the view, which already contains the bodies.
         items: the bodies by name.
         note: text at the start of the line; may be empty.
-        error: the last error; None if there was none.
+        error: the last error, or None.
     """
     for name, item in items.items():
         if item.take_dirty():
@@ -37,7 +37,7 @@ def _describe_bodies(view: View, items: Mapping[str, Item]) -> tuple[list[str], 
     """Return a line about each body's messages, and rows with its sensors' measurements.
 
     For more than `FEW` bodies, count the ones that follow their messages, and return a line for each of the first few
-    others.
+    that don't.
     """
     watches = [item.joints for item in items.values()]
     fleet = [watch for watch in watches if watch.meters or watch.in_order]

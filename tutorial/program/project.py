@@ -151,7 +151,7 @@ class Project:
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
         for name in classes.keys() - known - bases:
-            why = "Your class replaces the controller of the same name."
+            why = "Your class replaces the controller with the same name."
             raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {why}")
         return self._with(
             lambda item: replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))

@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-TIMEOUT = 5.0  # [s] from asking the command to stop to killing it
+TIMEOUT = 5.0  # [s] between asking the command to stop and killing it
 STOP_SIGNALS = {signal.SIGINT, signal.SIGTERM}
 OWN = str(Path(sys.executable).with_name("tank"))
 

@@ -78,7 +78,7 @@ class CameraRenderer:
     fails, one log line reports it, and no pictures are delivered.
 
     Attributes:
-        error: the last exception that a receiver of pictures raised; None if there was none.
+        error: the last exception that a receiver of pictures raised, or None.
     """
 
     def __init__(self) -> None:

@@ -29,7 +29,7 @@ class Frame(NamedTuple):
         name: the frame's name, such as ``"Tank/base_link"``.
         body: MuJoCo's id of the body.
         pose: the frame's pose in the body, (4, 4) [m].
-        label: the position of the name, in lengths of the axes, so that the names of nearby frames don't overlap.
+        label: the position of the name, in units of the axes' length, so that the names of nearby frames don't overlap.
     """
 
     name: str

@@ -90,7 +90,7 @@ def draw_axes(uuid: str, name: str, length: float, place: Matrix, label: tuple[f
         name: the frame's name.
         length: the length of the axes [m].
         place: the frame's pose, (4, 4) [m].
-        label: the position of the name in the frame, in lengths of the axes.
+        label: the position of the name in the frame, in units of the axes' length.
     """
     bar = {"type": "CylinderGeometry", "radiusTop": THICKNESS * length, "radiusBottom": THICKNESS * length}
     materials, parts = [], []

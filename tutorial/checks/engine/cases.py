@@ -18,7 +18,7 @@ from typing import Any
 
 from tutorial.checks.engine.trial import Trial
 
-# Tries `trial.answer` and returns an observation: a number of the order of 1, a string, or a list or dict of these.
+# Tries `trial.answer` and returns an observation: a number of order 1, a string, or a list or dict of these.
 Run = Callable[[Trial], Any]
 
 CLOCK = "You probably read the computer's clock. Use only the time that you are given."

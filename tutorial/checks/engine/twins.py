@@ -83,7 +83,7 @@ class Twins:
         solution = self.cases.solution
         modules = asyncio, functools, math, itertools, sys.modules[solution.__module__]
         names = {name: value for module in modules for name, value in vars(module).items()}
-        with suppress(SyntaxError):  # two mistakes can break a statement together
+        with suppress(SyntaxError):  # together, two mistakes can break a statement
             exec(compile(source, A_MISTAKE, "exec"), names)
             return names[solution.__name__]
         return None

@@ -169,7 +169,7 @@ class Viewer:
             self._failures.append(failure)
 
     def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
-        """Keep an error that asyncio reports about code on the loop."""
+        """Keep an error that asyncio reports for code running on the loop."""
         error = context.get("exception") or RuntimeError(context["message"])
         if not isinstance(error, Failure):
             error = self.trial.failure("code on the loop", error)

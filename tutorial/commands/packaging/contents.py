@@ -112,7 +112,7 @@ _EXAMPLE = {
 
 
 def _controller(file: Path, only: str | None) -> dict[str, str]:
-    """Return the templates' variables for a controller that replaces the course's controller of the same name.
+    """Return the templates' variables for a controller that replaces the course's controller with the same name.
 
     Args:
         file: the Python file that defines it.
@@ -153,7 +153,7 @@ def _project_for(name: str) -> Project:
         if name in names:
             return project
         known |= names
-    fix = "Your class replaces the controller of the same name, so give it that name."
+    fix = "Your class replaces the controller with the same name, so give it that name."
     raise TutorialError(f"no step has a controller {name!r}.{did_you_mean(name, known)} {fix}")
 
 

@@ -14,7 +14,7 @@ def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], uni
     """Draw curves over time.
 
     Args:
-        curves: for each name, ascending times [s] and as many values, such as NumPy arrays.
+        curves: for each name, ascending times [s] and the same number of values, such as NumPy arrays.
         unit: the unit of the values, such as ``"m/s²"``.
 
     Raises:

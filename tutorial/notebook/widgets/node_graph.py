@@ -11,7 +11,7 @@ from tutorial.notebook.widgets.graph_watch import GraphWatch, Topology
 from tutorial.notebook.widgets.picture import LivePicture
 
 LOOK_EVERY = 0.5  # [s]
-BREATH = 10  # the pause before the next look, as a multiple of the last look's duration
+BREATH = 10  # the pause before the next query, as a multiple of the last query's duration
 
 
 class NodeGraph(LivePicture):
@@ -39,7 +39,7 @@ class NodeGraph(LivePicture):
         node.create_timer(LOOK_EVERY, self._look)
 
     def _look(self) -> None:
-        """Query the graph if a look is due, draw it, and post the picture. Runs on the executor's thread."""
+        """Query the graph if a query is due, draw it, and post the picture. Runs on the executor's thread."""
         began = time.monotonic()
         if began < self._next_look:
             return

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tutorial.errors import printable
 
-HEAD = 512  # bytes, enough for every kind
+HEAD = 512  # number of bytes to read, enough for every kind
 SUFFIXES = {b"\x89MCAP0\r\n": ".mcap", b"SQLite format 3\0": ".db3"}
 """First bytes of each kind of bag file, and the usual suffix of its name."""
 
@@ -33,7 +33,7 @@ WEB_PAGE = ("<!doctype html", "<html")
 
 
 def suffix_of(path: Path) -> str:
-    """Return ``".mcap"`` or ``".db3"``, from a file's content or else from its name; ``""`` if neither fits."""
+    """Return ``".mcap"`` or ``".db3"``, from a file's content or, failing that, its name; ``""`` if neither fits."""
     try:
         head = _head(path)
     except OSError:

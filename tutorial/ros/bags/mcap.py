@@ -147,7 +147,7 @@ class McapReader:
             raise CorruptBagError(f"it begins with {begin.hex(' ')!r}, unlike an MCAP file")
 
     def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
-        """Yield the records of a chunk up to where it is cut off; none if it cannot be decompressed."""
+        """Yield the records of a chunk up to where it is cut off; nothing if it cannot be decompressed."""
         size, how = chunk.uncompressed_size, chunk.compression
         if size > LARGEST_MESSAGE:
             self._say(f"a chunk in it has {size:,} bytes; at most {LARGEST_MESSAGE:,} are read")

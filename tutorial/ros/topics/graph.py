@@ -18,7 +18,7 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 _log = logging.getLogger(__name__)
 
 READ_EVERY = 0.1  # [s] between reads of the graph
-QUIET_READS = 5  # consecutive equal reads before the graph counts as known
+QUIET_READS = 5  # consecutive identical reads before the graph counts as known
 PATIENT_READS = 30  # the same for a real rclpy that may still discover more: see `_reads`
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
 TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
@@ -44,7 +44,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
     began = time.monotonic()
     discovery = TIMEOUT_ON_FAST_DDS if _is_fast_dds() else DISCOVERY_TIMEOUT
     seen: tuple[tuple[str, ...], ...] = ()
-    agreeing = 0  # consecutive equal reads
+    agreeing = 0  # consecutive identical reads
     while True:
         before, seen = seen, _snapshot(node)
         agreeing = agreeing + 1 if seen == before else 0
@@ -87,7 +87,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while any node has an empty name
         snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
-    with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while one name is not UTF-8
+    with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while any name is not UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):

@@ -39,7 +39,7 @@ FATAL_AND_ERROR = 3
 turn off. Warnings about the configuration itself are printed before this setting takes effect."""
 UNLIMITED = -1
 INCOMPATIBLE = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILITY", 24: "TYPE"}
-"""Numbers in DDS of what can make a writer and a reader incompatible: policies, and their types."""
+"""DDS's numbers for what can make a writer and a reader incompatible: policies, and their types."""
 MANY = 4096
 """Maximum number of entries in one read; there are never that many."""
 

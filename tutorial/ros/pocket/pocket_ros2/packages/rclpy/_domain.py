@@ -87,7 +87,7 @@ def _discovery(reach: str, peers: list[str]) -> str:
 
 
 def likely_cause(error: Exception) -> str:
-    """Return the most likely cause of an error on joining: Cyclone DDS itself only gives a number."""
+    """Return the most likely cause of an error when joining the domain: Cyclone DDS itself only gives a number."""
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (

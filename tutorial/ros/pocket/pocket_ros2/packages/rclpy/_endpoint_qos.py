@@ -8,7 +8,7 @@ def explicit(profile: QoSProfile, *, writer: bool) -> QoSProfile:
     """Return the policies of a writer or reader, with the system's defaults replaced by their values.
 
     Args:
-        profile: the requested QoS; "best available" means the most for a writer, the least for a reader.
+        profile: the requested QoS; "best available" means the strongest policy for a writer, the weakest for a reader.
         writer: whether the policies are for a writer.
 
     Raises:
