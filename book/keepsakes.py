@@ -17,7 +17,7 @@ FOLDER = Path(__file__).parent / "shown"
 WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageView)\(")
 """Matches the beginning of a saved widget's text output."""
 
-LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this
+LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this length
 MOVED = 0.1  # [rad]; if joints have moved less, the picture looks the same
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'

@@ -169,7 +169,7 @@ class TestOtherJoints:
             first = matcher.match(joint_state("ab", [0.1, 1.0], 20_000_000 * i))
             second = matcher.match(joint_state("bc", [-1.0, 0.3], 20_000_000 * i))
             assert (first[0], second[0]) == ({"a": 0.1, "b": 1.0}, {"c": 0.3})
-        assert str(second[1]) == "1 joint shown; a message of another publisher was dropped for 'b'"
+        assert str(second[1]) == "1 joint shown; a message from another publisher was dropped for 'b'"
 
     def test_sharing_after_one_has_left(self):
         publishers = [3]
@@ -260,7 +260,7 @@ class TestTwoPublishers:
         assert [name for _, name in turns(found)] == ["one", "other"]
         reports = [str(report) for _, _, report in found]
         assert reports.count(f"2 joints shown; {SILENT}") <= 1
-        assert "a message of another publisher was dropped" in reports
+        assert "a message from another publisher was dropped" in reports
         assert not any(report.arrival in (Arrival.LATE, Arrival.RESTARTED) for when, _, report in found if when < 9)
 
     @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])

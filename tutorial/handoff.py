@@ -45,7 +45,7 @@ class Latest(Generic[T]):
     The value is not copied, so nobody may change it after `put`.
 
     Args:
-        value: what `get` returns until something is put.
+        value: what `get` returns before the first `put`.
     """
 
     def __init__(self, value: T) -> None:

@@ -85,7 +85,7 @@ class Arrival(Enum):
     RESTARTED = "the publisher was started again"  #: its stamp steps far back
     SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
-    ANOTHER = "a message of another publisher was dropped"  #: not from the publisher that is followed
+    ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed
 
 
 class JointReport(NamedTuple):
@@ -93,7 +93,7 @@ class JointReport(NamedTuple):
 
     joints: tuple[str, ...] = ()  #: the joints that got a position
     arrival: Arrival = Arrival.NEXT  #: how the message follows the previous ones
-    unmoved: NameList = NameList()  #: joints that did not move, because their positions were late or a rival's
+    unmoved: NameList = NameList()  #: joints that did not move, because their positions were late or came from a rival
     unknown: NameList = NameList()  #: names that the body has no joint for
     duplicate: NameList = NameList()  #: joints named more than once; the last usable number won
     short: int = 0  #: the number of names without a position
@@ -105,7 +105,7 @@ class JointReport(NamedTuple):
 
     @property
     def dropped(self) -> bool:
-        """Whether the message moved no joint, because it was late or a rival's."""
+        """Whether the message moved no joint, because it was late or came from a rival."""
         return self.arrival in (Arrival.LATE, Arrival.ANOTHER) and not self.joints
 
     @property
@@ -162,7 +162,7 @@ class JointMatcher:
         self._last, self._plan = _Track({}, -inf), _Plan()  # the joints that the last message moved, and its plan
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
-        """Match the next message as `match_joints` does, but move no joint whose position is late or a rival's."""
+        """Match the next message as `match_joints` does, but move no joint whose position is late or from a rival."""
         stamp, last, plan = message.header.stamp, self._last, self._plan
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
         ahead = stamp_ns - last.stamp_ns  # infinite for the first message
@@ -209,8 +209,9 @@ class _Publishers:
     """Tells the publishers of one topic apart by their messages, because in rclpy a message does not name its sender.
 
     If there are as many separate sets of joints as publishers, no joint is shared, unless one keeps jumping back and
-    forth. Otherwise a message is a rival's if it is older than the last one, over 10 s newer, or makes a joint jump.
-    Once a single rival's position of the joint is known, only a jump to it counts. Publishers that agree are all shown.
+    forth. Otherwise a message comes from a rival if it is older than the last one, over 10 s newer, or makes a joint
+    jump. Once a single rival's position of the joint is known, only a jump to it counts. Publishers that agree are all
+    shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:

@@ -110,7 +110,7 @@ def test_one_shared_joint(joints, nodes, clock, caplog):
     show(joints, matcher, ["TURRET_Y"], [1.0], 10)
     show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.0, 0.2], 20)
     assert joints.applied == 2
-    said = "1 joint shown; a message of another publisher was dropped for 'TURRET_Y'"
+    said = "1 joint shown; a message from another publisher was dropped for 'TURRET_Y'"
     named = "2 nodes publish on /Tank/joint_state, one is followed: /all, /arm"
     assert joints.line() == f"Tank: {said}; {named} (0.0 s ago)"
     assert caplog.messages == [f"Tank: {named}", f"Tank: {said}"]

@@ -29,7 +29,7 @@ Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.ste
 np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances,
 message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.clear().
 
-Notice that the average of many measurements is less noisy than each of them, and that no measurement is lost.
+Notice that the average of many measurements is less noisy than any single one, and that no measurement is lost.
 """
 
 import dataclasses

@@ -40,7 +40,7 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 
     Raises:
         TutorialError: the file fails, uses more of `launch` than the tutorial supports, or describes a process that
-            cannot be started; the error names the line if possible.
+            cannot be started; the error gives the line if possible.
     """
     with _own_launch() as launch:
         try:

@@ -126,7 +126,7 @@ def node_graph() -> NodeGraph:
 
 
 def side_by_side(*widgets: Widget | Sequence[Widget]) -> SideBySide:
-    """Show widgets in a row. On a narrow page, 3D views are shown one below the other.
+    """Show widgets in a row. On a narrow page, 3D views are stacked.
 
     Args:
         widgets: the widgets to show; a list of widgets is shown as a column.

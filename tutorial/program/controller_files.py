@@ -23,7 +23,7 @@ def find_controller(name: str) -> type[SimpleController]:
     """Find one of the library's controllers by its class name.
 
     Raises:
-        TutorialError: there is no such controller, or its file fails; the error suggests a name, or names the line.
+        TutorialError: there is no such controller, or its file fails; the error suggests a name, or gives the line.
     """
     known = controller_names()
     if name not in known:
@@ -51,7 +51,7 @@ def load_controllers(path: Path, only: str | None = None) -> dict[str, type[Simp
         The classes by name.
 
     Raises:
-        TutorialError: the file is missing, fails, or does not define such a controller; the error names the line, or
+        TutorialError: the file is missing, fails, or does not define such a controller; the error gives the line, or
             suggests the nearest name.
     """
     if not is_file(path):

@@ -1,6 +1,6 @@
 """Starts a command that ends when its parent does, even if the parent is killed: ``python parent_watch.py COMMAND...``.
 
-The watch is standard input: when its other end is closed, because the parent is gone, this process asks the command to
+This process watches standard input: when the other end closes, because the parent is gone, it asks the command to
 stop, and kills it if it doesn't. The command and this process form one process group, so a signal reaches both. The
 command itself handles the signals that ask it to stop.
 

@@ -26,7 +26,7 @@ CLOSE_UP = np.array([-1.0, -0.8, 0.6])
 """The camera's position for a close-up, relative to the bodies' centre and as a multiple of their extent."""
 
 GRID = 10.0
-"""Half the side of meshcat's grid [m]."""
+"""Half the side length of meshcat's grid [m]."""
 
 AXES = 0.3
 """The length of a frame's axes, as a fraction of the robot's extent, and the length of `odom`'s axes [m]."""
@@ -243,7 +243,7 @@ class View:
         self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables this, but a sky casts no shadow
         self._set("/Axes", "visible", False)
         self._draw_frame("", Frame(ODOM, 0, np.eye(4)), 1.0)
-        self._set("/Grid", "position", [0, 0, 0.003])  # at height 0 it would flicker with a floor
+        self._set("/Grid", "position", [0, 0, 0.003])  # at height 0 it would flicker against a floor
         self._set("/Grid/<object>", "color", [1, 1, 1, 0.4])
         self._set("/Cameras/default/rotated/<object>", "fov", 50)
         self.scene.look_at(*CAMERA)

@@ -50,7 +50,7 @@ def sandbox(folder: str) -> list[str]:
     shown = COURSE if is_course(PACKAGE.parent) else ()  # empty folders that mark a checkout
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
-    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # or root could write there
+    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # where root could write
     return [
         *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),

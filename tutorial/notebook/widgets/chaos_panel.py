@@ -14,7 +14,7 @@ LOOK = 0.5  # [s] between updates of the counts
 
 
 class ChaosPanel(VBox):  # type: ignore[misc]
-    """Sets the share of messages that each fault hits. Create it on the main thread, while its event loop is running.
+    """Sets the share of messages that each fault affects. Create it on the main thread while its event loop is running.
 
     Its node, ``chaos``, publishes on a separate thread, even while a cell is busy.
 
@@ -39,7 +39,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         self._hits = HTML()  # unlike a Label, it wraps long lines
         rows = [_row(*each) for each in self.sliders.items()]
         faults = VBox(rows, layout=Layout(height=HEIGHT, overflow="hidden auto", display="block"))
-        super().__init__([HTML("Share of the messages that each fault hits:"), faults, self._reset, self._hits])
+        super().__init__([HTML("Share of the messages that each fault affects:"), faults, self._reset, self._hits])
         self._next = self._loop.call_soon(self._tell)
 
     def __repr__(self) -> str:
@@ -47,7 +47,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
     @property
     def made(self) -> dict[str, int]:
-        """The number of messages that each fault has hit so far."""
+        """The number of messages that each fault has affected so far."""
         return dict(self._stream.chaos.made)
 
     def end(self) -> None:

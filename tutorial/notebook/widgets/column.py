@@ -6,7 +6,7 @@ from ipywidgets import Layout, VBox, Widget
 
 
 class Column(VBox):  # type: ignore[misc]
-    """Shows widgets one below the other, narrow enough to stand beside a view.
+    """Stacks widgets, narrow enough to fit beside a view.
 
     Args:
         widgets: the widgets to show.

@@ -14,7 +14,7 @@ Edge = tuple[Vertex, Vertex]
 Place = tuple[float, float]
 
 GAP = 44.0  # [px] between layers, for the arrows
-ROW = 54.0  # [px] between the centres of two shapes, one below the other
+ROW = 54.0  # [px] between the centres of shapes in the same column
 
 
 @dataclass(frozen=True)
