@@ -29,7 +29,7 @@ class _Words(msgspec.Struct):
 
 
 class FrameWidget(CellWidget):
-    """Sends frames to every view that keeps up. Create it on the main thread, while its event loop is running.
+    """Sends frames to every view that keeps up. Create it on the main thread while its event loop is running.
 
     Args:
         title: the title of the content, also for the ``repr``.

@@ -18,7 +18,7 @@ LOOK_EVERY = 0.5  # [s] between checks of the publishers
 
 
 class ImageView(FrameWidget, NodeWidget):
-    """Shows the newest image on a topic. Create it on the main thread, while its event loop is running.
+    """Shows the newest image on a topic. Create it on the main thread while its event loop is running.
 
     Its own node, ``image_view``, subscribes with depth 1: reliable if all publishers offer that, otherwise best effort,
     where losing one fragment loses the whole image. A page receives the next image after it has drawn the last one, so

@@ -41,7 +41,7 @@ class Picture(CellWidget):
 
 
 class LivePicture(Picture, NodeWidget):
-    """A picture that its own node's callbacks update. Create it on the main thread, while its event loop is running.
+    """A picture that its own node's callbacks update. Create it on the main thread while its event loop is running.
 
     Args:
         name: the picture's subject, for the ``repr``.
