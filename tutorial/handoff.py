@@ -4,7 +4,7 @@ A callback runs on the thread of its source: ROS 2's executor, a widget or a tim
 belongs to a different thread, so it hands over what it received, and returns. There are two ways:
 
 - as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
-- as an *event*, if every one matters: `CallScope.call_later`.
+- as an *event*, if each of them matters: `CallScope.call_later`.
 """
 
 from __future__ import annotations

@@ -258,7 +258,7 @@ class Simulation:
             run.finished.set()
 
     def _abandon(self, stuck: Run) -> None:
-        """Go to ABANDONED: give up a controller that does not return, and everything that it may still touch."""
+        """Go to ABANDONED: give up on a controller that does not return, and on everything that it may still touch."""
         with self._state_lock:
             if stuck.finished.is_set():
                 return

@@ -29,7 +29,7 @@ class TankController(SimpleController):
         ("topic echo x//y", 1, "topic name"),
         ("topic pub a-b std_msgs/msg/String", 1, "topic name"),
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),
-        ("topic list --ros-args --nonsense", 1, "Error: ROS 2 does not know the arguments ['--nonsense']\n"),
+        ("topic list --ros-args --nonsense", 1, "Error: ROS 2 does not recognize the arguments ['--nonsense']\n"),
         (
             "node list --ros-args -r __ns:=",
             1,

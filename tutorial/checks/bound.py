@@ -119,8 +119,8 @@ def million(trial: Trial) -> list[float]:
 SHORT = "You probably expect four axes, or drop a message with fewer. Keep the axes that it has; missing axes are 0."
 INFINITE = ("You probably limit an infinity to 1 or -1. It counts as "
             "0: check isfinite(axis) first. (isnan finds only NaN.)")  # fmt: skip
-BEYOND = ("You probably don't limit an axis beyond -1 or 1, set it "
-          "to 0, or scale all axes. Limit it: min(max(axis, -1.0), 1.0).")  # fmt: skip
+BEYOND = ("You probably don't limit an axis beyond -1 or 1, or you set it to 0, "
+          "or you scale all axes. Limit it: min(max(axis, -1.0), 1.0).")  # fmt: skip
 CASES = [
     Case("four axes", given(*FOUR)),
     Case("six axes", given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),

@@ -5,7 +5,7 @@ is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` a
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive forward.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis by itself; outside of this dead zone, use
+- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis separately; outside of this dead zone, use
   it unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
@@ -87,7 +87,7 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or drop its message, so the last speed is kept. Set 0.",
+    Mistake("you set no speed while the stick is at rest, or you drop its message, so the last speed is kept. Set 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
     Mistake("you swap left and right. With the stick to the left, left_x "
             "> 0, the left track slows down and the right one speeds up.",
@@ -102,7 +102,7 @@ MISTAKES = [
     Mistake("you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.", replace("> 0.3", "> -1")),
     Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
-    Mistake("you use one dead zone for both axes together. Check each axis by itself: abs(axis) > 0.3.",
+    Mistake("you use one dead zone for both axes together. Check each axis separately: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
     Mistake("you subtract the dead zone from the axis, or stretch the "
@@ -111,7 +111,7 @@ MISTAKES = [
 ]  # fmt: skip
 MEANING = ("Compare your code with this: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
            "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, without a limit, and nothing "
-           "else moves. Each axis by itself counts as 0 unless abs(axis) > 0.3.")  # fmt: skip
+           "else moves. Each axis separately counts as 0 unless abs(axis) > 0.3.")  # fmt: skip
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
     *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),

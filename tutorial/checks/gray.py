@@ -258,7 +258,7 @@ CASES = [
     Case("nothing moves, so all pictures are identical", still,
          "You probably leave out a picture that is identical to an earlier one. "
          "Publish all of them: a repeated message is still a message."),
-    Case("after stop", left_open, "You probably don't close the camera in stop, or look up several cameras: "
+    Case("after stop", left_open, "You probably don't close the camera in stop, or you look up several cameras: "
          "look it up once, in initialize, and call self.camera.close() in stop."),
 ]  # fmt: skip
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")

@@ -96,7 +96,7 @@ MISTAKES = [
                     "(np.sum(self.samples, axis=0) / self.steps_per_message)")),
     Mistake("you send the value of one step alone. Keep the value of every step, and send their average.",
             replace("np.mean(self.samples, axis=0)", "self.samples[-1]")),
-    Mistake("you average over all numbers at once, or over x, y and z. Average each component by itself, with axis=0.",
+    Mistake("you average over all numbers at once, or over x, y and z. Average each component separately, with axis=0.",
             replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
                     "np.mean(self.samples, axis=1)")),
     Mistake("you keep old measurements after a message. Empty the list, "

@@ -13,7 +13,7 @@ tank `Tank/joint_state`), but only changes:
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
 Hint 1: What do you compare each position with? With the one that you last sent for this joint, perhaps long ago; not
-with the one from 20 ms ago. Compare each joint by itself.
+with the one from 20 ms ago. Compare each joint separately.
 
 Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at first, so all
 joints are new. In each due step, collect the joints that have moved. If there are any, send them, and store in the dict
@@ -104,7 +104,7 @@ MISTAKES = [
             "A joint moves in both directions: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
                     "abs(abs(q) - abs(self.sent[n]))")),
-    Mistake("you don't store what you have sent, or lose the other "
+    Mistake("you don't store what you have sent, or you lose the other "
             "joints with self.sent = ... Write self.sent.update(news).",
             replace("self.sent.update(news)", "self.sent = news | self.sent", "self.sent = news")),
     Mistake("your threshold is too large. Send a joint as soon as it is more than 0.001 rad (or m) away.",

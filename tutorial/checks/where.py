@@ -145,7 +145,7 @@ IN_TURN = ("You probably expect a certain number of transforms, or a certain fra
 CASES = [
     Case("a frame that is only translated", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
          "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
-         "the wrong place (in ROS it is last), don't add the whole translation, or look for a certain frame."),
+         "the wrong place (in ROS it is last), add only a part of the translation, or look for a certain frame."),
     Case("a quarter turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
          "You probably have a mistake in the rotation itself: compare "
          "with turned(q, point). ROS uses x, y, z, w, with w last."),

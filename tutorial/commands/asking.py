@@ -83,6 +83,6 @@ def clear_ros_errors() -> Iterator[None]:
     except NameValidationException as error:
         raise TutorialError(str(error)) from error
     except UnknownROSArgsError as error:
-        raise TutorialError(f"ROS 2 does not know the arguments {error}") from error
+        raise TutorialError(f"ROS 2 does not recognize the arguments {error}") from error
     except (RuntimeError, UnicodeDecodeError) as error:
         raise TutorialError(f"ROS 2 reports: {error}") from error

@@ -95,7 +95,7 @@ class Publishing:
     def wrong_steps(self) -> str:
         """The meaning of a case whose messages are too frequent or too rare."""
         return (
-            "You probably hard-code the number of steps, truncate it, don't round it, or count time. "
+            "You probably hard-code the number of steps, truncate it, leave it unrounded, or count time. "
             f"Publish when {self.when}."
         )
 

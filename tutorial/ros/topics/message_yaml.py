@@ -77,7 +77,7 @@ _Dumper.add_representer(str, _string)
 
 
 def _plain(value: Any, no_arr: bool, kind: str = "") -> Any:
-    """Convert a field's value to types that YAML knows; as in ROS 2, bytes become a string."""
+    """Convert a field's value to types that YAML supports; as in ROS 2, bytes become a string."""
     if is_message(value):
         kinds = value.get_fields_and_field_types()
         return {name: _plain(getattr(value, name), no_arr, kind) for name, kind in kinds.items()}

@@ -64,7 +64,7 @@ class Arguments:
 
         Raises:
             RCLError: a value cannot be parsed.
-            UnknownROSArgsError: there is an argument that ROS 2 does not know.
+            UnknownROSArgsError: there is an argument that ROS 2 does not recognize.
         """
         arguments, unknown = cls(), []
         ros_args = iter(split(args)[0])

@@ -63,7 +63,7 @@ class Endpoint(Destroyable):
         if self._node._remove(self, keep=True) and self._node.context.ok():
             kind = self._noun
             self._node.get_logger().warning(
-                f"{kind}.destroy() does not tell the node: on a real ROS 2, every later spin of this node raises "
+                f"{kind}.destroy() does not notify the node: on a real ROS 2, every later spin of this node raises "
                 f"InvalidHandle. Call node.destroy_{kind}({kind}) instead.",
                 once=True,
             )
