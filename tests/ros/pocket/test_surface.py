@@ -31,7 +31,7 @@ def test_a_missing_argument_is_explained(code, node):
 def test_a_publishers_warning_does_not_depend_on_its_class(node, capfd):
     own = type("Own", (Publisher,), {})
     node.create_publisher(String, "x", 1, publisher_class=own).destroy()
-    assert "publisher.destroy() does not tell the node" in capfd.readouterr().err
+    assert "publisher.destroy() does not notify the node" in capfd.readouterr().err
 
 
 def test_an_unread_exception_is_reported(capsys):
