@@ -46,13 +46,13 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 
 
 def printable(text: str) -> str:
-    """Escape every invisible character of a text from outside, so that a terminal can print it safely.
+    """Escape every invisible character in text from outside, so that a terminal can print it safely.
 
     These are control characters, which a terminal would obey, characters that reverse the direction of writing, line
     ends and lone surrogates.
 
     Returns:
-        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; a text with only visible characters is returned unchanged.
+        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text with only visible characters is returned unchanged.
     """
     if text.isprintable():
         return text

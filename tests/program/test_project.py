@@ -117,7 +117,7 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         (simulator("clock: 100"), "line 1: simulator.clock: expected true or false, got a whole number."),
         (simulator("time_step: 1e-300"), "line 1: simulator.time_step: expected a number >= 0.0001."),
         (body("count: 1001"), "line 2: bodies[0].count: expected a whole number <= 1000."),
-        (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got a text."),
+        (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got text."),
         (body("controllers: [\n  TankControler]"), "line 3: there is no controller 'TankControler'. Did you mean 'T"),
         (body("name: Tank_2", "count: 3"), "line 3: there already is a body 'Tank_2'. Rename this one."),
         (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, starting"),

@@ -113,7 +113,7 @@ class Hall(Viewer):
         self.shown.clear()
 
     def where(self) -> str:
-        """Say where the body is."""
+        """Describe where the body is."""
         x, y, z = (self.body.position - self.place).tolist()
         if max(abs(x), abs(y), abs(z)) < 1e-9:
             return "almost where it stood" if x or y or z else STOOD

@@ -145,7 +145,7 @@ def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
 
 
 def named(message: Any) -> str:
-    """Say which joints a message names, and what is wrong with its lists."""
+    """Describe which joints a message names, and what is wrong with its lists."""
     count, more = len(message.position), len(message.velocity) + len(message.effort)
     odd = f" and {count} positions" * (count != len(message.name)) + " and velocity or effort" * (more > 0)
     return (" and ".join(sorted(message.name)) or "no joint") + odd

@@ -88,7 +88,7 @@ def _looked(probe: Callable[[], Diagnosis]) -> Diagnosis:
 
 
 def _columns(label: str, text: str) -> str:
-    """Wrap a text beside its label, without breaking words, so that paths and commands can be copied."""
+    """Wrap text beside its label, without breaking words, so that paths and commands can be copied."""
     indent = " " * 20
     wrapper = textwrap.TextWrapper(WIDTH, label, indent, break_long_words=False, break_on_hyphens=False)
     return wrapper.fill(text) + "\n"

@@ -55,7 +55,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
     Under JupyterHub, it is the student's server, and the hub decides where it listens.
 
     Args:
-        arguments: further arguments for JupyterLab, which override the settings made here.
+        arguments: additional arguments for JupyterLab, which override the settings made here.
         course: the course folder, which becomes JupyterLab's root.
     """
     in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # terminals set both

@@ -17,7 +17,7 @@ T = TypeVar("T")
 WORDS = {
     "object": "a mapping",
     "array": "a list",
-    "str": "a text",
+    "str": "text",
     "float": "a number",
     "int": "a whole number",
     "bool": "true or false",

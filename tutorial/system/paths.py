@@ -19,7 +19,7 @@ COURSE = ("launch_py", "notebooks", "project")
 ROOT = 0  # the user
 
 OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
-"""Suffixes of models besides .xml. Reading a xacro file raises an error that says how to convert it."""
+"""Suffixes of models other than .xml. Reading a xacro file raises an error that says how to convert it."""
 
 PACKAGE = Path(__file__).resolve().parents[1]
 """The folder of the package ``tutorial``. The folder above it is on Python's path."""

@@ -21,7 +21,7 @@ def print_text(text: str, err: bool = False) -> None:
 
 
 async def print_texts(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print texts as they arrive: the first ``count`` of them, or all."""
+    """Print strings as they arrive: the first ``count`` of them, or all."""
     async with aclosing(texts):
         async for text in texts:
             print_text(text)

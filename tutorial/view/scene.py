@@ -123,7 +123,7 @@ class Scene:
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
         """Write one line below the view, and a small table below that. If both are empty, nothing is shown.
 
-        They are shown as text, never as HTML. White space is collapsed, and texts longer than `LINE_LENGTH` are cut.
+        They are shown as text, never as HTML. White space is collapsed, and strings longer than `LINE_LENGTH` are cut.
 
         Args:
             text: the text of the line.
@@ -218,6 +218,6 @@ class Scene:
 
 
 def _cut(text: str) -> str:
-    """Collapse a text into one line of at most `LINE_LENGTH` characters."""
+    """Collapse text into one line of at most `LINE_LENGTH` characters."""
     line = " ".join(text.split())
     return line if len(line) <= LINE_LENGTH else line[: LINE_LENGTH - 1] + "…"

@@ -123,7 +123,7 @@ def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **s
     Args:
         kind: the light's class in three.js.
         position: the position [m]; a directional light shines from there to the origin.
-        settings: further JSON fields of the light, for instance ``intensity``.
+        settings: additional JSON fields of the light, for instance ``intensity``.
     """
     return {
         "metadata": {"version": 4.5, "type": "Object"},

@@ -30,7 +30,7 @@ class Edit:
 
     Attributes:
         old: the string to replace.
-        new: the replacement. Its further lines are indented like the line that contains `old`.
+        new: the replacement. Its other lines are indented like the line that contains `old`.
     """
 
     old: str
@@ -51,12 +51,12 @@ Ways = tuple[tuple[Edit, ...], ...]
 def replace(old: str, *new: str) -> Ways:
     """Replace a part of the solution's source. Each replacement is a separate way to make the mistake.
 
-    Change as little as possible: two mistakes can only be found together if they change different texts. The new text
-    can use any name from the exercise's module, `asyncio`, `functools`, `math` and `itertools`.
+    Change as little as possible: two mistakes can only be found together if they change different parts of the source.
+    The new text can use any name from the exercise's module, `asyncio`, `functools`, `math` and `itertools`.
 
     Args:
         old: the part. All its occurrences are replaced.
-        new: the replacements. Their further lines are indented like the line that contains `old`.
+        new: the replacements. Their other lines are indented like the line that contains `old`.
     """
     return tuple((Edit(old, each),) for each in new)
 

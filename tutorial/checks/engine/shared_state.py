@@ -37,7 +37,7 @@ class SharedState:
 
 
 def cause_of_sharing(answer: Any, name: str) -> str:
-    """Say what is shared, and where it belongs instead.
+    """Explain what is shared, and where it belongs instead.
 
     Args:
         answer: the learner's class or function.

@@ -101,7 +101,7 @@ class Verdict:
 
 
 def cut(text: str) -> str:
-    """Shorten a text to one line, with an ellipsis, and escape characters that UTF-8 cannot encode."""
+    """Shorten text to one line, with an ellipsis, and escape characters that UTF-8 cannot encode."""
     shown = text[: WIDTH + 1].encode(errors="backslashreplace").decode()
     return shown if len(shown) <= WIDTH else f"{shown[: WIDTH - 1]}…"
 

@@ -116,7 +116,7 @@ class Viewer:
             raise Failure("the posted call", Misuse("it posts another call each time it runs, without end", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
-        """Call `unconfigure`, drop the waiting calls, and say where the body is afterwards.
+        """Call `unconfigure`, drop the waiting calls, and describe where the body is afterwards.
 
         Args:
             messages: messages that arrive just before, on the blocked main thread.
@@ -142,7 +142,7 @@ class Viewer:
         return ", ".join(f"{joint.name} at {round(joint.position, 6) + 0.0:g}" for joint in self.body.joints)
 
     def news(self) -> str:
-        """Say whether the links followed the last move, and whether observers were notified."""
+        """Report whether the links followed the last move, and whether observers were notified."""
         told = f"observers are notified{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
         return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is notified'}"
 

@@ -43,7 +43,7 @@ def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
 
 
 def heard(*messages: Any) -> Step:
-    """Make a step in which messages arrive one after another, and the calls that each one posts are run."""
+    """Make a step in which messages arrive one by one, each followed by the calls that it posts."""
 
     def step(viewer: Viewer) -> None:
         for message in messages:

@@ -28,7 +28,7 @@ class Curve(NamedTuple):
 
     Attributes:
         points: pairs of x and y, sorted by x. The curve is interrupted where y is not finite.
-        value: a text that sums up its values.
+        value: a summary of its values, as text.
     """
 
     points: Sequence[Point]

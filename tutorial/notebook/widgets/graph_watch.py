@@ -51,7 +51,7 @@ class Topology:
     Attributes:
         nodes: the number of nodes by full name, including all publishers and subscribers.
         topics: the topics by name.
-        more: the number of further nodes and topics.
+        more: the number of additional nodes and topics.
     """
 
     nodes: dict[str, int] = field(default_factory=dict)

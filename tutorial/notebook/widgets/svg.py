@@ -84,7 +84,7 @@ def points_text(points: Iterable[tuple[float, float]]) -> str:
 
 
 def shorten(text: str, length: int) -> str:
-    """Replace the middle of a text with an ellipsis if it has more than `length` characters."""
+    """Replace the middle of a string with an ellipsis if it has more than `length` characters."""
     if len(text) <= length:
         return text
     end = (length - 1) // 2

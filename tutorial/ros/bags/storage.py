@@ -33,7 +33,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Channel:
-    """A bag's data about a topic, besides its messages.
+    """A bag's data about a topic, apart from its messages.
 
     Attributes:
         topic: its full name.

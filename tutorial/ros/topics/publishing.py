@@ -25,7 +25,7 @@ ACKNOWLEDGED_IN = 1.0  # [s], maximum
 async def topic_pub(
     node: Node, topic: str, populated: Populated, rate: float = 1.0, once: bool = False
 ) -> AsyncGenerator[str, None]:
-    """Publish a message repeatedly, like ``ros2 topic pub``. Yield each text before publishing its message.
+    """Publish a message repeatedly, like ``ros2 topic pub``. Yield each line of output before publishing its message.
 
     Args:
         node: the node that publishes.

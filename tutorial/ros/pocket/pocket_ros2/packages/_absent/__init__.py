@@ -12,7 +12,7 @@ TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding=
 """Packages of ROS 2 Jazzy that are missing here, and modules and names missing from packages that are partly here."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
-"""Packages of a real ROS 2 that PyPI has, too, besides message packages."""
+"""Packages of a real ROS 2 that are also on PyPI, apart from message packages."""
 
 FROM_PYPI = " The tank tutorial installs one from PyPI: tank ros install."
 
