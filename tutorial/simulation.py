@@ -264,7 +264,7 @@ class Simulation:
                 return
             name, file = stuck.at_work()
             problem = f"{name} does not return{where(stuck.thread, file)}"
-            text = f"{problem}. Fix it, then open its program again: this simulation cannot go on."
+            text = f"{problem}. Fix it, then open its program again: this simulation cannot continue."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             stuck.abandon()
             if not self._step_run.finished.is_set():

@@ -17,7 +17,7 @@ Hint 2: Move the reference first, and limit it. A speed is the change since the 
 compute both speeds while you still have the old values. Store the new values at the very end.
 
 Hint 3: q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) /
-self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in the end
+self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and finally
 self.q_ref, self.q_prev = q_ref, q.
 
 Notice that the joint responds immediately when you reverse the stick, because the reference stays within the range.

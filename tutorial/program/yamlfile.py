@@ -27,7 +27,7 @@ WORDS = {
 
 
 class _Loader(yaml.SafeLoader):
-    """Refuses duplicate keys, and reports the line of a value that does not fit its tag. PyYAML does neither."""
+    """Refuses duplicate keys, and reports the line of a value that does not match its tag. PyYAML does neither."""
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
         node = super().compose_mapping_node(anchor)
@@ -64,7 +64,8 @@ class YamlFile(Generic[T]):
         data: the file's content.
 
     Raises:
-        TutorialError: the file is missing, is not YAML, or does not fit the type; the error gives the line and the fix.
+        TutorialError: the file is missing, is not YAML, or does not match the type; the error gives the line and the
+        fix.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:

@@ -1,4 +1,4 @@
-"""Find the publishers and subscriptions of a topic, whatever its name, and the QoS that fits all its publishers."""
+"""Find the publishers and subscriptions of a topic, whatever its name, and a QoS that suits all its publishers."""
 
 from collections.abc import Callable
 
@@ -32,7 +32,7 @@ def _infos(ask: Callable[..., list[TopicEndpointInfo]], topic: str) -> list[Topi
 
 
 def reader_qos(node: Node, topic: str) -> QoSProfile:
-    """Choose the QoS for a subscription that fits all publishers of a topic, as ``ros2`` does.
+    """Choose a subscription's QoS that suits all publishers of a topic, as ``ros2`` does.
 
     Args:
         node: the node that queries the graph.

@@ -42,7 +42,7 @@ def encode(message: Message) -> bytes:
 
     Raises:
         AttributeError: a field that needs a message holds something else, as in rclpy.
-        TypeError: any other field holds a value that does not fit its type.
+        TypeError: any other field holds a value that does not match its type.
     """
     try:
         return cast(bytes, wire_type(message._definition.type_name, bytes).__idl__.serialize(message))

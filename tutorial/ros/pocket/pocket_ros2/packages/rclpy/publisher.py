@@ -24,7 +24,7 @@ class Publisher(Endpoint):
         """Publish a message, given as an object or as serialised bytes.
 
         Raises:
-            TypeError: the message is of a different type, or a field holds a value that does not fit its type.
+            TypeError: the message is of a different type, or a field holds a value that does not match its type.
             AttributeError: a field that needs a message holds something else.
             InvalidHandle: the publisher has been destroyed.
             RCLError: the context has been shut down, perhaps by a signal; this ends a loop that publishes.

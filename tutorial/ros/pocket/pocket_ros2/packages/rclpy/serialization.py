@@ -9,7 +9,7 @@ def serialize_message(message: Message) -> bytes:
 
     Raises:
         AttributeError: the argument is not a message.
-        TypeError: a field holds a value that does not fit its type.
+        TypeError: a field holds a value that does not match its type.
     """
     check_message_type(type(message))
     return encode(message)
