@@ -2,7 +2,7 @@
 // The files of every view (VIEW in tutorial/view/assets.py) and the joystick precede this file in the same script.
 
 const HERE = document.currentScript.src, MESHCAT = new URL("main.min.js", HERE);
-const LOOK_EVERY = 500;  // [ms] between checks whether the programs are working
+const LOOK_EVERY = 500;  // [ms] between checks of whether the programs are working
 const STUCK = 6;  // checks without a sign of work, after which a program is ended
 const STUCK_TEXT = "The controller has not returned for three seconds, so its program was ended. Is there a loop that never ends? " +
   "Fix it, and press Run.";

@@ -11,7 +11,7 @@ from tutorial.errors import TutorialError
 JAZZY, RCLPY = {"ROS_DISTRO": "jazzy"}, ["7.1.3", "/opt/ros/jazzy/lib/rclpy/__init__.py", "rmw_fastrtps_cpp"]
 ZENOH = [*RCLPY[:2], "rmw_zenoh_cpp"]
 LIBCRYPTO, VULKAN = TutorialError("ImportError: libcrypto.so.3"), TutorialError("MUJOCO_GL is odd")
-OTHERS = "all machines of this network"
+OTHERS = "all machines in this network"
 
 
 @pytest.mark.parametrize(

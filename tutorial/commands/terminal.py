@@ -45,9 +45,9 @@ def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = la
     until the process ends, because the cleanup can get stuck, too.
 
     Args:
-        ask: called on that thread at the first signal. Its exceptions are ignored, because the program may already have
+        ask: called on that thread on the first signal. Its exceptions are ignored, because the program may already have
         ended.
-        at_once: called on that thread at the second signal, before the process ends with the signal's exit status.
+        at_once: called on that thread on the second signal, before the process ends with the signal's exit status.
     """
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)

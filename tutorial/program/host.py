@@ -152,7 +152,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         if self._closed:
             raise TutorialError(CLOSED)
         if self.simulation is not None:
-            raise TutorialError(f"{name!r} cannot join a simulation. Add it to the project and reopen that.")
+            raise TutorialError(f"{name!r} cannot join a simulation. Add it to the project and reopen the project.")
         if name in self._items:
             raise TutorialError(f"there already is a body {name!r}. Remove it first, or rename the new one.")
         try:

@@ -8,7 +8,7 @@ from tutorial.handoff import CallQueue
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
-FRAME = 1 / 30  # [s] between frames of the view, and between checks whether a run is over
+FRAME = 1 / 30  # [s] between frames of the view, and between checks of whether a run is over
 HUNG = 5.0  # [s] without a step after which a timed run is stopped
 QUIET = 0.3  # [s] of silence after which no more messages are expected
 

@@ -26,7 +26,7 @@ from tutorial.ros.loopback import require_loopback
 from tutorial.trace import HandoffTrace
 
 LATENCIES_KEPT = 10_000
-LOOK = 0.05  # [s] between checks whether the thread should end
+LOOK = 0.05  # [s] between checks of whether the thread should end
 COMPLAIN_EVERY = 5.0  # [s] between log lines about the same failure
 GONE_FOR_GOOD = 1000  # consecutive failed spins on a destroyed entity (about 0.1 s) before the failure is reported
 

@@ -72,7 +72,7 @@ class JointPlot(LivePicture):
         began = loop.time()
         self._is_due = False
         if not self.ended:
-            self.show(*_picture(self._topic, self._samples.copy()))  # a copy, as the executor's thread keeps adding
+            self.show(*_picture(self._topic, self._samples.copy()))  # a copy: the executor keeps adding
         self._draw_from = began + max(DRAW_EVERY, (loop.time() - began) / SHARE)
 
 
