@@ -47,8 +47,8 @@ function watchKernel(model, onEnd, onConnection) {
  */
 class FrameView {
   static every = 1;  // acknowledge every n-th frame
-  static patience = {first: 2000, most: 30000};  // between two requests to the kernel [ms]
-  static pulse = 60000;  // between two signs of life [ms]
+  static patience = {first: 2000, most: 30000};  // between requests to the kernel [ms]
+  static pulse = 60000;  // between signs of life [ms]
 
   constructor(model) {
     this.model = model;

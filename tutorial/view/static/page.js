@@ -1,7 +1,7 @@
 // The page of tutorial/view/web.py: a meshcat viewer that connects to the program, and reconnects when it is restarted.
 // The files of every view (VIEW in tutorial/view/assets.py) precede this file in the same script.
 
-const PATIENCE = {first: 250, most: 2000};  // between two attempts to connect [ms]
+const PATIENCE = {first: 250, most: 2000};  // between attempts to connect [ms]
 
 const pane = makePane(document.title);
 pane.id = "pane";

@@ -4,7 +4,7 @@ const COMMAND = 0, LINE = 1, CLEAR = 2, CAMERA = 3;  // as in Record in tutorial
 const ONLY_ONCE = new Set(["Background", "Cameras"]);  // the built-in objects that a viewer cannot create again
 
 const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;  // renderers that need no graphics card
-const PAUSE = 100;  // between two pictures without a graphics card [ms]
+const PAUSE = 100;  // between pictures without a graphics card [ms]
 
 /** The title and hint to show if a viewer cannot be made. */
 export const noGraphics = ({message}) =>
