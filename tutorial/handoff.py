@@ -145,7 +145,7 @@ class CallQueue:
                 if (call := self._next()) is None:  # the queue was closed meanwhile
                     break
                 call.run()
-        finally:  # even after a KeyboardInterrupt, because a notebook's loop goes on, and the calls still wait
+        finally:  # even after a KeyboardInterrupt, because a notebook's loop continues, and the calls still wait
             with self._lock:
                 self._turn_requested = False
                 if self._waiting:
@@ -225,7 +225,7 @@ class ThreadGuard:
     """Remembers the thread that made it, and raises an error on every other thread.
 
     Args:
-        what: the guarded thing, as the error should name it, for instance ``"the body 'Tank'"``.
+        what: the guarded object, as the error should name it, for instance ``"the body 'Tank'"``.
     """
 
     def __init__(self, what: str) -> None:

@@ -87,7 +87,8 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or you drop its message, so the last speed is kept. Set 0.",
+    Mistake("you set no speed while the stick is at rest, or you drop its message, so the tank "
+            "keeps its last speed. Set 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
     Mistake("you swap left and right. With the stick to the left, left_x "
             "> 0, the left track slows down and the right one speeds up.",

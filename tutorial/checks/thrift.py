@@ -7,7 +7,7 @@ tank `Tank/joint_state`), but only changes:
   last sent for them. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
   multiples of 1/50 s.
 - The message names these joints, with their positions. If there are none, it sends nothing.
-- The first message names all joints, and so does the first one after a restart of the simulation. At a restart,
+- The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
   `initialize` is called again, and `io.step` and `io.time_ns` continue: they don't start at 0 again.
 - The stamp is the simulated time of sending. Velocity and effort stay empty.
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.

@@ -150,7 +150,7 @@ class Recorder:
             self._node.destroy_timer(timer)
 
     def _run(self) -> None:
-        """Write messages and look for new topics, until the end."""
+        """Write messages and look for new topics until the recording ends."""
         while not self._stop.wait(LOOK_EVERY):
             if self.error is None:
                 self._write()

@@ -23,7 +23,7 @@ DISK_FULL = "No space left on device"
 AGAIN = "Try again: finished downloads are kept."
 
 ELSEWHERE = ("PIP_DRY_RUN", "PIP_PREFIX", "PIP_ROOT", "PIP_TARGET", "PIP_USER")
-"""Settings of pip that would install into a different place."""
+"""Settings of pip that would make it install to a different place."""
 
 Report = Callable[[str], object]
 """Function that receives progress reports, each a line of text."""
