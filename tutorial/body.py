@@ -349,7 +349,7 @@ class Body:
 
         Args:
             report: the joints that the message could move, and its faults; None for a change without a message. The
-            body only passes it on, because a controller does not know the observers.
+                body only passes it on, because a controller does not know the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):

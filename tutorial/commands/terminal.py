@@ -46,7 +46,7 @@ def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = la
 
     Args:
         ask: called on that thread on the first signal. Its exceptions are ignored, because the program may already have
-        ended.
+            ended.
         at_once: called on that thread on the second signal, before the process ends with the signal's exit status.
     """
     read_end, write_end = os.pipe()

@@ -65,7 +65,7 @@ class YamlFile(Generic[T]):
 
     Raises:
         TutorialError: the file is missing, is not YAML, or does not match the type; the error gives the line and the
-        fix.
+            fix.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:

@@ -30,7 +30,7 @@ class Sent:
     Attributes:
         topic: the topic's full name.
         step: the simulation step at which it was published; if a different thread published the message, the step of
-        its stamp.
+            its stamp.
         stamp_ns: its stamp [ns]; 0 if the message has no header.
         message: a copy of the message.
     """

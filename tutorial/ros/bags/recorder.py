@@ -53,8 +53,7 @@ class Recorder:
 
     Raises:
         TutorialError: the folder exists or cannot be created, or a topic's name breaks the naming rules. When the
-        context
-            ends: the bag could not be completed.
+            context ends: the bag could not be completed.
     """
 
     def __init__(

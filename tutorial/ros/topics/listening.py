@@ -54,7 +54,7 @@ async def topic_echo(
 
     Raises:
         TutorialError: the topic or the field is unknown, with the error text of ``ros2``; or no message arrived in
-        time.
+            time.
     """
     topic = await _known(node, topic)
     type_name = _type_of(node, topic)

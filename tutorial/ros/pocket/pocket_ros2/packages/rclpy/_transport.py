@@ -57,7 +57,7 @@ class Entity(Protocol):
         """Return the number of matched partners."""
 
     def take_incompatible(self) -> str:
-        """Return the policy that makes a new partner incompatible, ``"TYPE"`` if its type does, or "" without one."""
+        """Return what makes a new partner incompatible: a policy, ``"TYPE"``, or "" if there is no such partner."""
 
     def close(self) -> None:
         """Delete this. Idempotent."""
