@@ -21,7 +21,7 @@ LESSON := tests/ros/pocket tests/controllers tests/checks tests/course/test_note
 export PYTHONDONTWRITEBYTECODE :=  # compile modules once, not in each of hundreds of processes
 unexport MAKEFLAGS  # or ninja, which tests start, would join make's job server
 
-.PHONY: help book wheel demo ros test test-all test-slow test-screen test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps comparison screenshots lab hub hub-load install bench soak mutants lint clean
+.PHONY: help book wheel demo ros test test-all test-slow test-screen test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps comparison causes screenshots lab hub hub-load install bench soak mutants lint clean
 
 demo: install ## all of step 3: joystick, simulation and viewer [DURATION=20]
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -77,6 +77,9 @@ steps: install ## write the tables of steps in the README and the book
 
 comparison: install ## write the table of book/comparison.md: how other viewers show faulty messages
 	$(BIN)/python book/comparison_table.py
+
+causes: install ## write the table of book/nothing_arrives.md: why no messages arrive
+	$(BIN)/python book/cause_table.py
 
 screenshots: install ## make the README's animated picture; takes a few minutes
 	@PYTHONPATH=tests/support $(BIN)/python tests/screenshots

@@ -1,0 +1,54 @@
+"""Write the table of `nothing_arrives.md` from the doctor's rules: ``make causes``."""
+
+import re
+from pathlib import Path
+
+from tutorial.ros.doctor.rules import RULES
+from tutorial.ros.loopback import TURN_ON
+
+PAGE = Path(__file__).with_name("nothing_arrives.md")
+TABLE = re.compile(r"(?<=<!-- made by book/cause_table.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+CODE = re.compile(r"(?<![`\w=:])([A-Za-z]+_\w+|RELIABLE|VOLATILE|OFF|LOCALHOST|/clock|fg)(?![`\w=])")
+"""Names from code in the rules' texts."""
+
+SIGNS = {
+    "python": "`python3 -c 'import rclpy'` ends with an error.",
+    "loopback": "`ip link show lo` shows `state DOWN`.",
+    "participants": "The program ends at its start: `Failed to find a free participant index for domain 0`.",
+    "domain": "`ros2 topic list` lacks the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` has it.",
+    "type": "`ros2 topic info TOPIC` lists two types.",
+    "hash": "`ros2 topic info -v TOPIC` shows two values of `Topic type hash`.",
+    "reliability": "The log says `offering incompatible QoS` and `RELIABILITY`.",
+    "durability": "The log says `offering incompatible QoS` and `DURABILITY`.",
+    "deadline": "The log says `offering incompatible QoS` and `DEADLINE`.",
+    "liveliness": "The log says `offering incompatible QoS` and `LIVELINESS`.",
+    "silent": "`ros2 topic info TOPIC` says `Publisher count: 1`, but `ros2 topic hz TOPIC` prints no rate.",
+    "late": "`ros2 topic info -v TOPIC` shows a publisher that published once, and a subscription that is `VOLATILE`.",
+    "clock": "`ros2 param get NODE use_sim_time` prints `True`, and `ros2 topic hz /clock` no rate.",
+    "stopped": "The terminal says `Stopped`, and `ps` shows the state `T`.",
+    "range": "`ros2 node list` in the program's terminal shows no other program.",
+    "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the two terminals.",
+    "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` says `Publisher count: 0`.",
+    "dropped": "`ros2 topic echo TOPIC` prints messages, with unknown joints or with stamps that go back.",
+    "nobody": "`ros2 topic info TOPIC` says `Publisher count: 0`, or `Unknown topic`.",
+}
+"""How each cause looks with the commands of a real ROS 2."""
+
+
+def page() -> str:
+    """Return the page's text with an up-to-date table."""
+    head = "| cause | how it looks with `ros2` | what to change |\n| --- | --- | --- |\n"
+    rows = "".join(map(_row, RULES))
+    return TABLE.sub(lambda _: head + rows, PAGE.read_text(encoding="utf-8"))
+
+
+def _row(name: str) -> str:
+    rule = RULES[name]
+    fix = f"{rule.fix} `{rule.command}`" if rule.command else rule.fix
+    row = f"| **{rule.title[0].upper()}{rule.title[1:]}.** {rule.means} | {SIGNS[name]} | {fix} |\n"
+    return CODE.sub(r"`\1`", row.replace(TURN_ON, "sudo ip link set lo up"))
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

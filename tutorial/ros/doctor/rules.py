@@ -1,0 +1,445 @@
+"""The causes that the doctor knows, as one table, and the rules that recognise them.
+
+`tank doctor`, the notebooks' ``why``, the book and the tests share this table.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from difflib import SequenceMatcher
+from math import inf
+from typing import NamedTuple
+
+from tutorial.errors import printable
+from tutorial.ros.doctor.facts import Endpoint, Facts, Program, Topic
+from tutorial.ros.loopback import TURN_ON
+from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name
+
+PLACES = 32  # programs that can be in one domain on one machine, with Cyclone DDS
+SIMILAR = 0.8  # the ratio of difflib that similar names have at least
+MOST = 3  # the maximum number of causes, and of names in a list
+ONCE = ("robot_description", "map", "tf_static")  # last parts of topics that are usually published only once
+ZENOH = "rmw_zenoh_cpp"
+
+
+class Found(NamedTuple):
+    """The evidence for a cause.
+
+    Attributes:
+        saw: the sentence about what the doctor saw.
+        words: replacements for the words in capitals in a rule's commands, other than TOPIC.
+        weak: whether the cause only counts if there is no stronger one.
+    """
+
+    saw: str
+    words: Mapping[str, str] = {}
+    weak: bool = False
+
+
+class Rule(NamedTuple):
+    """A cause, and how to recognise and fix it. In commands, words in capitals stand for names and numbers.
+
+    Attributes:
+        title: the cause in a few words.
+        find: returns the evidence for the cause; None if the facts don't show any.
+        means: the sentence that explains the cause.
+        fix: the sentence that says what to change.
+        command: the command that fixes it, if there is one.
+        look: the command that shows the cause: the words after ``tank`` or ``ros2``, or a command of the system.
+    """
+
+    title: str
+    find: Callable[[Facts], Found | None]
+    means: str
+    fix: str
+    command: str = ""
+    look: str = "topic info -v TOPIC"
+
+
+class Cause(NamedTuple):
+    """A cause that was found.
+
+    Attributes:
+        name: the name of the rule that recognised it.
+        found: the evidence.
+        topic: the topic in question.
+    """
+
+    name: str
+    found: Found
+    topic: str
+
+    @property
+    def rule(self) -> Rule:
+        """The rule that recognised it."""
+        return RULES[self.name]
+
+    def fill(self, command: str) -> str:
+        """Replace the words in capitals in one of the rule's commands, quoted for a shell."""
+        words = {"TOPIC": self.topic, **self.found.words}
+        return re.sub(rf"\b({'|'.join(words)})\b", lambda found: shlex.quote(escape_name(words[found[1]])), command)
+
+    def looks(self) -> list[str]:
+        """Return the commands that show the cause: ours and that of ``ros2``, or one of the system."""
+        look = self.fill(self.rule.look)
+        return [f"tank {look}", f"ros2 {look}"] if look.startswith("topic ") else [look]
+
+
+def diagnose(facts: Facts) -> list[Cause]:
+    """Return the likely causes why no messages arrive, the most likely one first; empty if all is well."""
+    causes = [Cause(name, found, facts.topic) for name, rule in RULES.items() if (found := rule.find(facts))]
+    strong = [cause for cause in causes if not cause.found.weak]
+    return (strong or causes)[:MOST]
+
+
+# What keeps this program from seeing anything
+
+
+def _import(facts: Facts) -> Found | None:
+    return Found(printable(facts.import_error)) if facts.import_error else None
+
+
+def _loopback(facts: Facts) -> Found | None:
+    return None if facts.loopback else Found("This machine cannot send packets to 127.0.0.1.")
+
+
+def _full(facts: Facts) -> Found | None:
+    if facts.participants < PLACES:
+        return None
+    who = "the publisher may have" if facts.joined else "this program"
+    return Found(f"All {PLACES} places of domain {facts.domain} are taken, and {who} got none.")
+
+
+# What keeps a publisher and a subscription apart
+
+
+def _misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
+    """Return the names of the rules that keep a publisher and a subscription apart (DDS 1.4, section 2.2.3)."""
+    known = publisher.hash and subscription.hash
+    tests = {
+        "type": publisher.type != subscription.type,
+        "hash": publisher.type == subscription.type and known and publisher.hash != subscription.hash,
+        "reliability": subscription.reliable and not publisher.reliable,
+        "durability": subscription.transient_local and not publisher.transient_local,
+        "deadline": publisher.deadline > subscription.deadline,
+        "liveliness": publisher.lease > subscription.lease or (subscription.manual and not publisher.manual),
+    }
+    return [name for name, misfit in tests.items() if misfit]
+
+
+def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Found | None]:
+    """Return a function that finds a subscription, or the doctor's own, that differs from each publisher.
+
+    Args:
+        name: the name of the rule: what keeps the subscription from the publisher that is nearest to fitting it.
+        text: describes what an endpoint asks for or offers.
+    """
+
+    def find(facts: Facts) -> Found | None:
+        here = (facts.here,) if facts.here else ()
+        for subscription in (*facts.subscriptions, *here) if facts.publishers else ():
+            publisher = min(facts.publishers, key=lambda each: len(_misfits(each, subscription)))
+            if name in _misfits(publisher, subscription):
+                asks, offers = escape_name(text(subscription)), escape_name(text(publisher))
+                return Found(f"{_who(subscription)} asks for {asks}, and {_who(publisher)} offers {offers}.")
+        return None
+
+    return find
+
+
+def _type(facts: Facts) -> Found | None:
+    if facts.installed:
+        return _apart("type", lambda each: each.type)(facts)
+    publisher = facts.publishers[0]
+    return Found(f"{_who(publisher)} offers {escape_name(publisher.type)}, which is not installed here.")
+
+
+def _late(facts: Facts) -> Found | None:
+    volatile = [each for each in facts.subscriptions if not each.transient_local]
+    if facts.kept and not facts.received and volatile and all(each.lifespan == inf for each in facts.publishers):
+        saw = f"{_who(facts.publishers[0])} published before the doctor subscribed, and nothing since then."
+        return Found(f"{saw} {_who(volatile[0])} asks for VOLATILE.")
+    if not facts.silent or facts.publishers[0].transient_local or facts.topic in EVERY_NODE_HAS:
+        return None
+    is_usual = facts.topic.rpartition("/")[2] in ONCE
+    saw = f"{_silence(facts)} It is VOLATILE, so messages from before your subscription are lost."
+    return Found(saw, weak=not is_usual)
+
+
+# What keeps a publisher silent
+
+
+def _clock(facts: Facts) -> Found | None:
+    waiting = [each for each in facts.publishers if each.node in facts.clock_users]
+    if not facts.silent or not waiting or facts.clock_ticks:
+        return None
+    clock = "no message arrives there" if facts.clock_publishers else "nobody publishes it"
+    return Found(f"{_who(waiting[0])} subscribes to /clock, and {clock}.")
+
+
+def _stopped(facts: Facts) -> Found | None:
+    program = _program(facts, lambda each: each.stopped and each.joined)
+    if facts.received or program is None:
+        return None
+    return Found(f"{_process(program)} is suspended.", {"PROCESS": str(program.pid)})
+
+
+def _silent(facts: Facts) -> Found | None:
+    is_usual = facts.topic in EVERY_NODE_HAS  # nodes publish there only if something happens
+    return Found(_silence(facts), weak=True) if facts.silent and not is_usual else None
+
+
+def _silence(facts: Facts) -> str:
+    return f"{_who(facts.publishers[0])} has sent nothing in {facts.seconds:.1f} s."
+
+
+# Where else the publisher may be
+
+
+def _domain(facts: Facts) -> Found | None:
+    if facts.publishers or not facts.found_in:
+        return None
+    where = _listed([str(domain) for domain in facts.found_in])
+    saw = f"Nobody publishes it in domain {facts.domain}, which is yours, but somebody does in domain {where}."
+    return Found(saw, {"DOMAIN": str(facts.found_in[0])})
+
+
+def _range(facts: Facts) -> Found | None:
+    program = _program(facts, lambda each: each.reach == "OFF")
+    if facts.publishers or not (program or facts.reach == "OFF"):
+        return None
+    who = "Your environment" if facts.reach == "OFF" or program is None else _process(program)
+    return Found(f"{who} has ROS_AUTOMATIC_DISCOVERY_RANGE=OFF.")
+
+
+def _rmw(facts: Facts) -> Found | None:
+    program = _program(facts, lambda each: bool(each.rmw) and (each.rmw == ZENOH) != (facts.rmw == ZENOH))
+    if facts.publishers or program is None:
+        return None
+    return Found(f"{_process(program)} uses {printable(program.rmw)}, and you use {facts.rmw}.")
+
+
+def _name(facts: Facts) -> Found | None:
+    types = {each.type for each in (*facts.publishers, *facts.subscriptions)}
+    near = [each for each in _near(facts.topic, facts.topics) if not types or types.intersection(each.types)]
+    near = [each for each in near if bool(each.publishers) != bool(facts.publishers)]
+    if not near or (facts.publishers and facts.subscriptions):
+        return None
+    names = _listed([escape_name(each.name) for each in near])
+    does, has = ("subscribes to", "a subscription") if facts.publishers else ("publishes", "a publisher")
+    return Found(f"Nobody {does} {escape_name(facts.topic)}, but {names} has {has}.", {"OTHER": near[0].name})
+
+
+def _near(topic: str, topics: Sequence[Topic]) -> list[Topic]:
+    """Return the topics with a similar name, the most similar first."""
+    similar = {each: _similarity(topic, each.name) for each in topics}
+    return sorted((each for each in topics if similar[each] >= SIMILAR), key=lambda each: -similar[each])
+
+
+def _similarity(one: str, other: str) -> float:
+    """Return how similar two names are: at least `SIMILAR` if the last part of one contains that of the other.
+
+    Case, ``_`` and the ``s`` of a plural don't count.
+    """
+    first, second = (re.sub(r"_|s(?=/|$)", "", name.lower()) for name in (one, other))
+    ratio = SequenceMatcher(None, first, second).ratio()
+    short, long = sorted((first.rpartition("/")[2], second.rpartition("/")[2]), key=len)
+    return max(ratio, SIMILAR) if len(short) > 2 and short in long else ratio
+
+
+def _nobody(facts: Facts) -> Found | None:
+    if facts.publishers:
+        return None
+    wanted = {each.type for each in facts.subscriptions}
+    alike = [escape_name(each.name) for each in facts.topics if each.publishers and wanted.intersection(each.types)]
+    parts = [f"Nobody publishes {escape_name(facts.topic)} in domain {facts.domain}{_elsewhere(facts)}."]
+    parts += [f"Topics of its type that somebody publishes: {_listed(alike)}."] * bool(alike)
+    parts += ["Programs on other machines are not visible in the range LOCALHOST."] * (facts.reach == "LOCALHOST")
+    used = {each.domain for each in facts.programs if each.joined} - {facts.domain, *facts.looked_into}
+    parts += [f"Other programs of yours use domain {' or '.join(map(str, sorted(used)))}."] * bool(used)
+    return Found(" ".join(parts), weak=True)
+
+
+def _elsewhere(facts: Facts) -> str:
+    """Return which other domains were searched: all of 0 to 10, unless the user named some."""
+    looked = facts.looked_into
+    if len(looked) > MOST:
+        return f", nor in the domains {looked[0]} to {looked[-1]}"
+    return f", nor in domain {' or '.join(map(str, looked))}" if looked else ""
+
+
+# What the viewer drops
+
+
+def _dropped(facts: Facts) -> Found | None:
+    if facts.unmoved * 2 <= facts.received:
+        return None
+    complaint = printable(facts.complaint).removeprefix("0 joints shown; ").rstrip(".")
+    return Found(f"{facts.unmoved} of {facts.received} messages move no joint: {complaint}.")
+
+
+def _program(facts: Facts, test: Callable[[Program], bool]) -> Program | None:
+    """Return the first program in the same domain that passes a test."""
+    return next((each for each in facts.programs if each.domain == facts.domain and test(each)), None)
+
+
+def _process(program: Program) -> str:
+    return f"Process {program.pid} ({printable(program.name)})"
+
+
+def _who(endpoint: Endpoint) -> str:
+    return escape_name(endpoint.node) if endpoint.node else "a program whose node is unknown"
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+    return ", ".join(names[:MOST]) + more
+
+
+def _limit(what: str, duration: float) -> str:
+    return f"{what} of {duration:g} s" if duration < inf else f"{what} of any length"
+
+
+def _liveliness(endpoint: Endpoint) -> str:
+    return _limit(f"{'MANUAL_BY_TOPIC' if endpoint.manual else 'AUTOMATIC'} liveliness with a lease", endpoint.lease)
+
+
+RULES: dict[str, Rule] = {
+    "python": Rule(
+        "this Python cannot import ROS 2",
+        _import,
+        "Every ROS 2 is compiled for one version of Python. This Python finds none that it can import.",
+        "Start the program with the Python that your ROS 2 was made for, or use the pocket ROS 2.",
+        command="export TUTORIAL_ROS=pocket",
+        look="python3 -c 'import rclpy'",
+    ),
+    "loopback": Rule(
+        "the loopback interface is down",
+        _loopback,
+        "Programs on one machine find each other through 127.0.0.1. Some containers start without it.",
+        "Turn the interface on.",
+        command=TURN_ON,
+        look="ip link show lo",
+    ),
+    "participants": Rule(
+        "the domain is full",
+        _full,
+        f"With Cyclone DDS, a domain has places for {PLACES} programs on a machine. The next one cannot start.",
+        "End programs that you no longer use, or start some of them in another domain.",
+        command="export ROS_DOMAIN_ID=1",
+        look="ss -ulnp",
+    ),
+    "domain": Rule(
+        "the publisher is in a different domain",
+        _domain,
+        "Programs only see each other if they have the same ROS_DOMAIN_ID. Without one, they are in domain 0.",
+        "Give both programs the same domain before you start them.",
+        command="export ROS_DOMAIN_ID=DOMAIN",
+        look="topic list",
+    ),
+    "type": Rule(
+        "the message types differ",
+        _type,
+        "A subscription only receives messages of its own type. A topic's name does not determine its type.",
+        "Use the publisher's type in create_subscription. If it is not installed here, build or source its package.",
+    ),
+    "hash": Rule(
+        "the definitions of the message type differ",
+        _apart("hash", lambda each: f"{each.type} {each.hash[:14]}..."),
+        "The type has the same name on both sides, but different fields. The type hashes show that.",
+        "Build both programs with the same version of the message package, and source it in both terminals.",
+    ),
+    "reliability": Rule(
+        "the reliability does not fit",
+        _apart("reliability", lambda each: "RELIABLE" if each.reliable else "BEST_EFFORT"),
+        "A RELIABLE subscription refuses a BEST_EFFORT publisher, which never sends a lost message again.",
+        "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or the publisher RELIABLE.",
+    ),
+    "durability": Rule(
+        "the durability does not fit",
+        _apart("durability", lambda each: "TRANSIENT_LOCAL" if each.transient_local else "VOLATILE"),
+        "A TRANSIENT_LOCAL subscription refuses a VOLATILE publisher, which keeps no messages for late subscriptions.",
+        "Make the subscription VOLATILE, or the publisher TRANSIENT_LOCAL.",
+    ),
+    "deadline": Rule(
+        "the deadline does not fit",
+        _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
+        "A subscription with a deadline refuses a publisher that does not promise to publish that often.",
+        "Remove the deadline from the subscription, or set one on the publisher that is at most as long.",
+    ),
+    "liveliness": Rule(
+        "the liveliness does not fit",
+        _apart("liveliness", _liveliness),
+        "A subscription refuses a publisher whose liveliness is weaker than it asks for, or whose lease is longer.",
+        "Remove the liveliness from the subscription, or give the publisher the same kind and at most the same lease.",
+    ),
+    "silent": Rule(
+        "the publisher is silent",
+        _silent,
+        "Perhaps nobody spins its node, a callback blocks it, its simulation is paused, or it publishes rarely.",
+        "Look at the publisher's program: does it spin its node, and does its callback return?",
+        look="topic hz TOPIC",
+    ),
+    "late": Rule(
+        "the subscription came after the message",
+        _late,
+        "A VOLATILE subscription only receives messages that are published after the publisher has discovered it.",
+        "Make both the publisher and the subscription TRANSIENT_LOCAL: the publisher then keeps its last messages.",
+    ),
+    "clock": Rule(
+        "the publisher waits for /clock",
+        _clock,
+        "With use_sim_time, a node's timers follow /clock. Without messages there, they never fire.",
+        "Start the program that publishes /clock, or set use_sim_time of the node to false.",
+        look="topic hz /clock",
+    ),
+    "stopped": Rule(
+        "a program is suspended",
+        _stopped,
+        "Ctrl-Z suspends a program. It sends nothing until it is resumed.",
+        "Type fg in its terminal, or resume it from any other terminal.",
+        command="kill -CONT PROCESS",
+        look="ps -o stat,args PROCESS",
+    ),
+    "range": Rule(
+        "discovery is switched off",
+        _range,
+        "A program whose discovery range is OFF finds no other program, not even on the same machine.",
+        "Unset the variable, or set it to LOCALHOST, and start the program again.",
+        command="export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST",
+        look="printenv ROS_AUTOMATIC_DISCOVERY_RANGE",
+    ),
+    "rmw": Rule(
+        "the programs use different middleware",
+        _rmw,
+        "Programs on Zenoh and programs on DDS cannot find each other. Those on Cyclone DDS and Fast DDS can.",
+        "Start all programs with the same RMW_IMPLEMENTATION.",
+        command="export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
+        look="printenv RMW_IMPLEMENTATION",
+    ),
+    "name": Rule(
+        "the topic's name differs",
+        _name,
+        "Topics are only the same if their full names are, with the namespace and every letter.",
+        "Correct the name in the code, or remap it when you start one of the programs.",
+        command="--ros-args -r TOPIC:=OTHER",
+        look="topic list -t",
+    ),
+    "dropped": Rule(
+        "messages arrive, and viewers drop them",
+        _dropped,
+        "A viewer ignores joints that its robot does not have, and messages that are older than the last one.",
+        "Publish the joints' own names, and stamps that never go back, from one publisher for each joint.",
+        look="topic echo TOPIC",
+    ),
+    "nobody": Rule(
+        "nobody publishes the topic",
+        _nobody,
+        "A subscription alone receives nothing, and ROS 2 does not report a topic without a publisher.",
+        "Start the program that publishes the topic, or look for an error in its terminal.",
+        look="topic list",
+    ),
+}
+"""All rules by name, the most likely cause first."""
