@@ -1,0 +1,85 @@
+"""Look at this program and its machine, without joining a domain and without ROS 2.
+
+ROS 2's ports tell which domains are in use here. The variables of other programs tell why they cannot be seen.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterable, Mapping
+
+import psutil
+
+from tutorial.ros.backend import ros_backend
+from tutorial.ros.doctor.facts import Program
+from tutorial.ros.doctor.rules import PLACES
+from tutorial.ros.wheels.folder import RANGE
+
+FIRST_PORT, PORTS = 7400, 250
+"""The first UDP port of domain 0, and the number of ports of each domain."""
+EPHEMERAL = 32768  # from this port on, the system gives ports to any program
+FIRST_UNICAST = 10  # from this port of a domain on, every second one belongs to a participant
+
+
+def reach() -> str:
+    """Return the discovery range of this program."""
+    return os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
+
+
+def domain_in(variables: Mapping[str, str]) -> int:
+    """Return the domain that a program's environment variables choose."""
+    given = variables.get("ROS_DOMAIN_ID", "").strip()
+    return int(given) if given.isdecimal() else 0
+
+
+def participants(domain: int) -> int:
+    """Return how many of Cyclone DDS's places in a domain are taken on this machine; 0 if unknown."""
+    first = FIRST_PORT + PORTS * domain + FIRST_UNICAST
+    return len((_udp_ports() or set()).intersection(range(first, first + 2 * PLACES, 2)))
+
+
+def domains_in_use(domains: Iterable[int]) -> list[int]:
+    """Return those of the domains that programs on this machine use; all of them if the system does not say."""
+    ports = _udp_ports()
+    return [each for each in domains if ports is None or any((port - FIRST_PORT) // PORTS == each for port in ports)]
+
+
+def programs() -> list[Program]:
+    """Return the other programs of this user that have network connections; only on Linux."""
+    try:
+        sockets = psutil.net_connections("inet")
+    except (psutil.Error, OSError):  # on macOS, only root may list them
+        return []
+    domains: dict[int, list[int]] = {each.pid: [] for each in sockets if each.pid not in (None, os.getpid())}
+    for each in sockets:
+        port = each.laddr.port if each.laddr and each.type == socket.SOCK_DGRAM else 0
+        if each.pid in domains and FIRST_PORT <= port < EPHEMERAL:
+            domains[each.pid].append((port - FIRST_PORT) // PORTS)
+    found = (_program(pid, domains[pid]) for pid in sorted(domains))
+    return [each for each in found if each is not None]
+
+
+def _program(pid: int, joined: list[int]) -> Program | None:
+    try:
+        process = psutil.Process(pid)
+        variables, name, status = process.environ(), process.name(), process.status()
+    except (psutil.Error, OSError):  # it has ended, or belongs to a different user
+        return None
+    return Program(
+        pid,
+        name,
+        domain=min(joined) if joined else domain_in(variables),
+        joined=bool(joined),
+        stopped=status == psutil.STATUS_STOPPED,
+        reach=variables.get(RANGE, ""),
+        rmw=variables.get("RMW_IMPLEMENTATION", ""),
+    )
+
+
+def _udp_ports() -> set[int] | None:
+    """Return the UDP ports in use on this machine; None if only root may list them."""
+    try:
+        return {each.laddr.port for each in psutil.net_connections("udp") if each.laddr}
+    except (psutil.Error, OSError):
+        return None
