@@ -169,9 +169,25 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
     os.execve(sys.executable, lab_command(jupyter_args, course), with_own_commands(os.environ))
 
 
-@tank.command("doctor", short_help="Check whether this machine has what the tutorial needs.")
-def check_up() -> int:
-    """Check whether this machine has what the tutorial needs, and suggest fixes."""
+@tank.command("doctor", short_help="Check this machine, or find out why no messages of a topic arrive.")
+@click.argument("topic_name", metavar="[TOPIC]", required=False)
+@click.option(
+    "--domain",
+    "domains",
+    type=click.IntRange(0, 232),
+    multiple=True,
+    help="Search this domain for TOPIC instead of the domains 0 to 10. Can be repeated.",
+)
+@click.pass_obj
+def check_up(ros_args: list[str], topic_name: str | None, domains: tuple[int, ...]) -> int:
+    """Check whether this machine has what the tutorial needs, and suggest fixes.
+
+    With TOPIC, find out why none of its messages arrive here. This takes about five seconds, and publishes nothing.
+    """
+    if topic_name is not None:
+        from tutorial.commands.topic_doctor import doctor_of
+
+        return doctor_of(topic_name, ros_args, domains)
     from tutorial.commands.doctor import doctor
 
     return doctor()

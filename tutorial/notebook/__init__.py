@@ -15,7 +15,7 @@ from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, keep, log, until
 from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
-from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
+from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list, why
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.column import Column
 from tutorial.notebook.widgets.image_view import ImageView
@@ -52,6 +52,7 @@ __all__ = [
     "topic_info",
     "topic_list",
     "until",
+    "why",
 ]
 
 prepare_process()

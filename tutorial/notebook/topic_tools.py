@@ -1,6 +1,10 @@
-"""``ros2 topic list``, ``info``, ``echo`` and ``hz`` for a cell, with the same output."""
+"""``ros2 topic list``, ``info``, ``echo`` and ``hz``, and ``tank doctor TOPIC``, for a cell, with the same output."""
+
+from collections.abc import Iterable
 
 from tutorial.notebook.desk import keep_once
+from tutorial.ros.doctor.examine import examine
+from tutorial.ros.doctor.report import report
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import listening, listing
 from tutorial.system.printing import print_text, print_texts
@@ -57,6 +61,20 @@ async def topic_hz(topic: str, window: int = 10_000) -> None:
         TutorialError: no message arrives for 10 s.
     """
     await print_texts(listening.topic_hz(_asker(), topic, window=window, timeout=TIMEOUT), REPORTS)
+
+
+async def why(topic: str, joints: Iterable[str] | None = None) -> None:
+    """Print why no messages of a topic arrive here, as ``tank doctor TOPIC`` does. This takes four seconds.
+
+    Args:
+        topic: the name of the topic.
+        joints: for joint states, the names of the joints that the viewer has; by default, those of the tank for its
+            own topic, and for others those of the first message.
+
+    Raises:
+        TutorialError: the topic's name is invalid.
+    """
+    print_text(report(await examine(topic, _asker, joints)))
 
 
 def _asker() -> MeteredNode:
