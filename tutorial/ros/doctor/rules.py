@@ -422,7 +422,7 @@ RULES: dict[str, Rule] = {
     "name": Rule(
         "the topic's name differs",
         _name,
-        "Topics are only the same if their full names are, with the namespace and every letter.",
+        "Two names mean the same topic only if they are identical, including the namespace and upper and lower case.",
         "Correct the name in the code, or remap it when you start one of the programs.",
         command="--ros-args -r TOPIC:=OTHER",
         look="topic list -t",
