@@ -83,7 +83,7 @@ class Arrival(Enum):
 
     NEXT = ""  #: the publisher's next message
     RESTARTED = "the publisher was started again"  #: its stamp steps far back
-    SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: its publisher
+    SWITCHED = "the publisher was started again, or fell silent, and the viewer follows a new one"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed
 

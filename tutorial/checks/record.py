@@ -277,7 +277,7 @@ CASES = [
          "You probably leave out a message that is identical to an earlier one. "
          "Write every entry: a repeated message is still a message."),
     Case("a message arrives while it stops listening", tried(A, coming=[B]),
-         "You probably stop listening too late, after put(None). What arrives after "
-         "None is never written: first destroy the subscription, then put None."),
+         "You probably stop listening too late, after put(None). Messages that arrive "
+         "after None are never written: first destroy the subscription, then put None."),
 ]  # fmt: skip
 record = Exercise("record", __doc__, Cases(MyRecorder, CASES, MISTAKES, MEANING), ("write", "unconfigure"))

@@ -130,7 +130,7 @@ FIRST = [
     Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
     Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
          "You probably expect every joint in every message, or leave out positions of 0 or "
-         "below. Set the joints that the message names, and leave all others where they are.", crashes=True),
+         "below. Set the joints that the message names, and leave the other joints where they are.", crashes=True),
     Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
          "You probably use a name that the body does not have. Leave it "
          "out, and show the other joints, as match_joints does.", crashes=True),

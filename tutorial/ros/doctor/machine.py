@@ -34,7 +34,7 @@ def domain_in(variables: Mapping[str, str]) -> int:
 
 
 def participants(domain: int) -> int:
-    """Return how many of Cyclone DDS's places in a domain are taken on this machine; 0 if unknown."""
+    """Count the places of a domain that programs on this machine use, with Cyclone DDS; 0 if unknown."""
     first = FIRST_PORT + PORTS * domain + FIRST_UNICAST
     return len((_udp_ports() or set()).intersection(range(first, first + 2 * PLACES, 2)))
 

@@ -94,7 +94,7 @@ def diagnose(facts: Facts) -> list[Cause]:
     return (strong or causes)[:MOST]
 
 
-# What keeps this program from seeing anything
+# Causes in this program
 
 
 def _import(facts: Facts) -> Found | None:
@@ -112,7 +112,7 @@ def _full(facts: Facts) -> Found | None:
     return Found(f"All {PLACES} places of domain {facts.domain} are taken, and {who} got none.")
 
 
-# What keeps a publisher and a subscription apart
+# Causes between a publisher and a subscription
 
 
 def _misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
@@ -168,7 +168,7 @@ def _late(facts: Facts) -> Found | None:
     return Found(saw, weak=not is_usual)
 
 
-# What keeps a publisher silent
+# Causes in the publisher's program
 
 
 def _clock(facts: Facts) -> Found | None:
@@ -195,7 +195,7 @@ def _silence(facts: Facts) -> str:
     return f"{_who(facts.publishers[0])} has sent nothing in {facts.seconds:.1f} s."
 
 
-# Where else the publisher may be
+# Publishers that are elsewhere
 
 
 def _domain(facts: Facts) -> Found | None:
@@ -270,7 +270,7 @@ def _elsewhere(facts: Facts) -> str:
     return f", nor in domain {' or '.join(map(str, looked))}" if looked else ""
 
 
-# What the viewer drops
+# Messages that a viewer drops
 
 
 def _dropped(facts: Facts) -> Found | None:
@@ -311,7 +311,7 @@ RULES: dict[str, Rule] = {
         "this Python cannot import ROS 2",
         _import,
         "Every ROS 2 is compiled for one version of Python. This Python finds none that it can import.",
-        "Start the program with the Python that your ROS 2 was made for, or use the pocket ROS 2.",
+        "Use the version of Python that your ROS 2 supports, or use the pocket ROS 2.",
         command="export TUTORIAL_ROS=pocket",
         look="python3 -c 'import rclpy'",
     ),
