@@ -5,7 +5,6 @@ import asyncio
 import pytest
 from sensor_msgs.msg import Joy
 
-from tutorial.commands.tank import tank
 from tutorial.errors import TutorialError
 from tutorial.notebook import close_all, topic_tools
 from tutorial.ros.doctor import examine
@@ -20,14 +19,15 @@ async def why(topic: str) -> None:
 
 
 @pytest.fixture(params=["command", "cell"])
-def answer(request, domain, capsys):
+def answer(request, domain, capsys, tank):
     """Return a function that asks about a topic at a terminal or in a cell, and returns the text."""
 
     def ask(topic: str, status: int = 1) -> str:
         if request.param == "command":
-            assert tank.main(["doctor", topic, "--domain", "3"], standalone_mode=False, obj=[]) == status
-        else:
-            asyncio.run(why(topic))
+            run = tank("doctor", topic, "--domain", 3)
+            assert run.status == status
+            return run.stdout
+        asyncio.run(why(topic))
         return capsys.readouterr().out
 
     return ask
@@ -58,6 +58,7 @@ def test_all_is_well(answer, topic):
     assert second.startswith("All is well: ")
 
 
-def test_a_bad_name(answer):
+def test_a_bad_name(tank, domain):
+    assert "must not contain" in tank("doctor", "/a b").stderr
     with pytest.raises(TutorialError, match="must not contain"):
-        answer("/a b")
+        asyncio.run(why("/a b"))

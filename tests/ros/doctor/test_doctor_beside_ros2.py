@@ -32,7 +32,7 @@ def rmw(request, monkeypatch) -> str:
 
 
 def test_all_faults_on_a_real_ros_2(rmw):
-    files = [str(Path(__file__).with_name(name)) for name in ("test_faults.py", "test_machine.py")]
+    files = [str(Path(__file__).with_name(name)) for name in ("test_doctor_faults.py", "test_machine.py")]
     run = [*REAL, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files]
     done = subprocess.run(run, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
