@@ -30,7 +30,7 @@ SIGNS = {
     "range": "`ros2 node list` in the program's terminal shows no other program.",
     "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the two terminals.",
     "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` says `Publisher count: 0`.",
-    "dropped": "`ros2 topic echo TOPIC` prints messages, with unknown joints or with stamps that go back.",
+    "dropped": "`ros2 topic echo TOPIC` prints messages, but their joints are unknown or their stamps jump backwards.",
     "nobody": "`ros2 topic info TOPIC` says `Publisher count: 0`, or `Unknown topic`.",
 }
 """How each cause looks with the commands of a real ROS 2."""

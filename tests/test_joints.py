@@ -71,7 +71,7 @@ KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
     [
         (TANK, ["TURRET_P", "TURRET_Y"], [0.2, 0.1], {"TURRET_Y": 0.1, "TURRET_P": 0.2}, "2 joints shown"),
         ("ab", ["a", "b"], [1e9, -1e9], {"a": 1e9, "b": -1e9}, "2 joints shown"),
-        ("ab", ["a", "b"], [-1.1e9, 0.2], {"b": 0.2}, "1 joint shown; too far to be shown: 'a'"),
+        ("ab", ["a", "b"], [-1.1e9, 0.2], {"b": 0.2}, "1 joint shown; too large to show: 'a'"),
         (TANK, [*TANK], [math.nan, 0.2], {"TURRET_P": 0.2}, "1 joint shown; not a finite number: 'TURRET_Y'"),
         (TANK, [*TANK], [], {}, "0 joints shown"),
         (TANK, ["TURRET_Y"] * 2, [0.1], {"TURRET_Y": 0.1}, "1 joint shown; no position for the last name"),

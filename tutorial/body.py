@@ -272,7 +272,9 @@ class Body:
     def camera(self, name: str) -> Any:
         """Find a simulated body's `tutorial.view.camera.Camera` by name; raises the same error as `joint`."""
         if self.find_camera is None:
-            raise TutorialError(f"the displayed body {self.name!r} takes no pictures. Use the simulated body, io.body.")
+            raise TutorialError(
+                f"the displayed body {self.name!r} cannot take pictures. Use the simulated body, io.body."
+            )
         return self.find_camera(self, name)
 
     def find_id(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:

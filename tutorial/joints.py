@@ -25,7 +25,7 @@ PAUSE_NS = 10 * SECOND_NS  # [ns] the longest pause that one of several publishe
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
 SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
-NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # share of a jump: how near it ends to the position before last, or a rival's
+NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # as a fraction of a jump: how near it ends to the position before last, or a rival's
 COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
 SILENT_AFTER = 25  # dropped messages in a row, per rival; then the followed publisher counts as silent
 SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; any other jump cancels 1/4 of one
@@ -134,7 +134,7 @@ class JointReport(NamedTuple):
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
             (self.long, f"more positions than names, by {self.long}"),
             (self.non_finite.total, f"not a finite number: {self.non_finite}"),
-            (self.huge.total, f"too far to be shown: {self.huge}"),
+            (self.huge.total, f"too large to show: {self.huge}"),
             (self.outside.total, f"outside its range: {self.outside}"),
         )
         return "; ".join([shown, *(text for found, text in complaints if found)])

@@ -72,7 +72,7 @@ def test_effort_without_motor(actuator, kind):
     joint = joint_of(actuator)
     with pytest.raises(TutorialError) as info:
         joint.effort = 0.5
-    assert str(info.value).startswith("the joint 'J' takes no effort: its actuator ")
+    assert str(info.value).startswith("the joint 'J' does not accept an effort: its actuator ")
     assert f"is {kind}" in str(info.value)
 
 

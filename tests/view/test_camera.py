@@ -157,7 +157,7 @@ def test_a_machine_that_cannot_render_is_reported_once(stage, monkeypatch, caplo
         stage.body.camera(name).capture(taken.append)
     assert taken == []
     (said,) = caplog.messages
-    assert said.startswith("cameras take no pictures, but everything else works: rendering failed (ModuleNotFound")
+    assert said.startswith("cameras cannot take pictures, but everything else works: rendering failed (ModuleNotFound")
     assert said.endswith("). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this.")
 
 
@@ -170,6 +170,6 @@ def test_cameras_have_names_and_sizes(stage):
 
 def test_a_displayed_body_takes_no_images(stage):
     with pytest.raises(
-        TutorialError, match=r"displayed body 'Eye' takes no pictures\. Use the simulated body, io\.body"
+        TutorialError, match=r"displayed body 'Eye' cannot take pictures\. Use the simulated body, io\.body"
     ):
         Body.displayed(stage.placement).camera("CAMERA")

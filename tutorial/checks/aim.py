@@ -64,7 +64,7 @@ MISTAKES = [
     Mistake("you convert between radians and degrees. 0.002 is already in rad, like angles and ranges.",
             replace("0.002", "radians(0.002)", "degrees(0.002)")),
     Mistake("you multiply the move by time_step. The reference moves "
-            "by 0.002 * stick rad in each call, for any length of a step.",
+            "by 0.002 * stick rad in each call, whatever the time step.",
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
     Mistake("you use only the sign of the stick. Half a stick moves the reference half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),

@@ -106,7 +106,7 @@ MISTAKES = [
     Mistake("you use one dead zone for both axes together. Check each axis separately: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
-    Mistake("you subtract the dead zone from the axis, or stretch the "
+    Mistake("you subtract the dead zone from the axis, or rescale the "
             "rest. Outside of the dead zone, use the axis unchanged.",
             replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
 ]  # fmt: skip
@@ -188,7 +188,7 @@ def halved(trial: Trial, in_callback: bool) -> str:
         if not interleave(trial, function, between, turn):
             break
     whole = {after("start", axes, 1)(trial) for axes in WHOLE}
-    return "half of the message is used" if set(seen) - whole else "the message is used as a whole, or not yet"
+    return "half of the message is used" if set(seen) - whole else "either the whole message is used, or none of it yet"
 
 
 AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Keep every message."

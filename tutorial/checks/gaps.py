@@ -84,7 +84,7 @@ MISTAKES = [
     Mistake("you always return an empty list: compare each stamp "
             "with the newest so far, and don't hide errors with `try`.",
             replace("return found", "return []")),
-    Mistake("you use only sec or only nanosec, which restarts at 0 in every second: a stamp is both together.",
+    Mistake("you use only sec or only nanosec, which restarts at 0 every second: a stamp consists of both.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
     Mistake("you compare the bag's own times. They say when a message "
@@ -159,7 +159,7 @@ A_GAP = ("You probably use a different limit, or append something else. If a sta
          'ns ahead, append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
 RECEIPT = f"Most likely {MISTAKES[-1].cause}"
 BOTH_PARTS = ("You probably use only sec or only nanosec, which restarts "
-              "at 0 in every second: a stamp is both together.")  # fmt: skip
+              "at 0 every second: a stamp consists of both.")  # fmt: skip
 FRACTION = "You probably compute seconds as floats, which are rounded: use whole nanoseconds."
 RESTART_FROM_0 = ("You probably use a different limit for a restart: the stamp is "
                   "more than 1_000_000_000 ns before the newest one.")  # fmt: skip
@@ -169,8 +169,8 @@ EXACTLY = ("You probably compare with >=, or compare floats, which are rounded. 
            "s ahead, or exactly 1 s back, is not an event: compare whole nanoseconds with >.")  # fmt: skip
 CASES = [
     Case("20 ms apart", bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
-         "This bag has no events. You probably have a newest stamp before the first "
-         "message, or limits in a different unit: start with None; 0.1 s is 100_000_000 ns."),
+         "This bag has no events. You probably give the newest stamp a value before the first "
+         "message, or use limits in a different unit: start with None; 0.1 s is 100_000_000 ns."),
     Case("the bag's times are 3 s apart, the stamps 20 ms", bag(1.0, 1.02, 1.04, every=3.0), RECEIPT),
     Case("0.09 s without a message", bag(1.0, 1.02, 1.11, 1.13), A_GAP),
     Case("0.3 s without a message", bag(1.0, 1.02, 1.32, 1.34), A_GAP),

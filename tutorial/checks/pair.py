@@ -62,7 +62,7 @@ MISTAKES = [
     Mistake("you compare the stamps as objects, with `is` or id. "
             "Each message has a stamp of its own: compare sec and nanosec.",
             replace("message.header.stamp.sec, message.header.stamp.nanosec", "id(message.header.stamp)")),
-    Mistake("you compare only sec, or only nanosec: a stamp is both.",
+    Mistake("you compare only sec, or only nanosec: a stamp consists of both.",
             replace("together =", "stamp = stamp[0]\ntogether =", "stamp = stamp[1]\ntogether =")),
     Mistake("you drop all waiting messages when a pair is complete: "
             "drop only the messages that arrived before the pair's first message.",
@@ -147,14 +147,14 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
     return case
 
 
-STILL_WAITING = ("You probably keep only one message per topic, or refuse "
+STILL_WAITING = ("You probably keep only one message per topic, or reject "
                  "smaller stamps: messages that arrived after a pair's first message still wait.")  # fmt: skip
 NANOSECONDS = ("You probably round the stamps, as floats do, or treat "
                "nearly equal ones as equal: every nanosecond counts.")  # fmt: skip
 PAST = ("You probably drop too few or too many messages: when a pair is complete, "
         "drop the messages on both topics that arrived before its first message.")  # fmt: skip
 NEW_START = "You probably test which stamp is larger. After a restart they begin at 0: use the order of arrival."
-FIFTY = ("You probably let fewer or more than 50 messages wait, or drop "
+FIFTY = ("You probably keep fewer or more than 50 waiting messages, or drop "
          "the wrong one: drop the one that arrived first.")  # fmt: skip
 CASES = [
     Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),

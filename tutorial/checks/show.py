@@ -122,7 +122,7 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST = [
     Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-         "You probably set no positions, or you change them first. "
+         "You probably don't set any positions, or you change them before you set them. "
          "Call self.body.set_joint_positions(positions), in rad."),
     Case("its joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
          "You probably match positions by their index in the message. "

@@ -31,7 +31,7 @@ from tutorial.system.printing import print_text
     "--interfaces", is_flag=True, help="Make an interface package with a message, a service and an action instead."
 )
 def package(name: str, own: str | None, destination: Path, interfaces: bool) -> None:
-    """Make a ROS 2 package NAME, to build with colcon, and to start with ros2 run or ros2 launch.
+    """Make a ROS 2 package called NAME, which you can build with colcon and start with ros2 run or ros2 launch.
 
     Without --controller, it contains an example node that does not need the tutorial.
     """

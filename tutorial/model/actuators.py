@@ -57,7 +57,7 @@ def effort_command(model: mujoco.MjModel, joint: int) -> Command:
     actuators = _enabled(model, joint)
     for actuator in actuators:
         if not is_motor(model, actuator):
-            raise TutorialError(f"{_title(model, joint)} takes no effort: {_what(model, actuator)}")
+            raise TutorialError(f"{_title(model, joint)} does not accept an effort: {_what(model, actuator)}")
     if not actuators:
         raise TutorialError(
             f"{_title(model, joint)} has no motor of its own. Give it one in the model; if a tendon moves it, set the "

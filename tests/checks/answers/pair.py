@@ -81,7 +81,7 @@ class OneLate(Pairs):
 WRONG = [
     (OneLate, "Return a pair when its second message arrives"),
     (ADefault, "on the class, or in the default of an argument"),
-    (OnlyTwenty, "You probably let fewer or more than 50 messages wait"),
+    (OnlyTwenty, "You probably keep fewer or more than 50 waiting messages"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
     (NeverBehind, "After a restart they begin at 0"),
 ]

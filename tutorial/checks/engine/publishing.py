@@ -95,7 +95,8 @@ class Publishing:
     def wrong_steps(self) -> str:
         """The meaning of a case whose messages are too frequent or too rare."""
         return (
-            "You probably hard-code the number of steps, truncate it, leave it unrounded, or count time. "
+            "You probably hard-code the number of steps, truncate it, leave it unrounded, "
+            "or measure time instead of counting steps. "
             f"Publish when {self.when}."
         )
 
@@ -103,7 +104,7 @@ class Publishing:
     def _stamp(self) -> str:
         return (
             "The stamp is probably missing, counted, or from a different clock, or sec and nanosec don't belong "
-            f"together: nanosec restarts at 0 in every second. Set both: Time(nanoseconds={self.time}).to_msg()."
+            f"together: nanosec restarts at 0 every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:

@@ -24,7 +24,9 @@ from tutorial.handoff import CallQueue, ThreadGuard
 TIMEOUT = 1.0  # [s]; a callback that takes longer is waiting for something
 
 KEY = "The first argument of call_latest is a key: self.call_latest(self.body.name, self.update, message)."
-SECONDS = "config.call_later takes no seconds. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
+SECONDS = (
+    "config.call_later doesn't take a delay. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
+)
 PARENTHESES = "You probably call it right away, with parentheses. Pass the function itself, then its arguments."
 TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
 COROUTINE = "Write def, not async def. If it has to wait, make it start a task: asyncio.create_task(...)."

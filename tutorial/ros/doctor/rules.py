@@ -258,7 +258,7 @@ def _nobody(facts: Facts) -> Found | None:
     parts += [f"Topics of its type that somebody publishes: {_listed(alike)}."] * bool(alike)
     parts += ["Programs on other machines are not visible in the range LOCALHOST."] * (facts.reach == "LOCALHOST")
     used = {each.domain for each in facts.programs if each.joined} - {facts.domain, *facts.looked_into}
-    parts += [f"Other programs of yours use domain {' or '.join(map(str, sorted(used)))}."] * bool(used)
+    parts += [f"Some of your other programs use domain {' or '.join(map(str, sorted(used)))}."] * bool(used)
     return Found(" ".join(parts), weak=True)
 
 
@@ -392,7 +392,7 @@ RULES: dict[str, Rule] = {
         "the publisher waits for /clock",
         _clock,
         "With use_sim_time, a node's timers follow /clock. Without messages there, they never fire.",
-        "Start the program that publishes /clock, or set use_sim_time of the node to false.",
+        "Start the program that publishes /clock, or set the node's use_sim_time to false.",
         look="topic hz /clock",
     ),
     "stopped": Rule(
@@ -431,7 +431,7 @@ RULES: dict[str, Rule] = {
         "messages arrive, and viewers drop them",
         _dropped,
         "A viewer ignores joints that its robot does not have, and messages that are older than the last one.",
-        "Publish the joints' own names, and stamps that never go back, from one publisher for each joint.",
+        "Publish the joints' own names, and stamps that never jump backwards, from one publisher for each joint.",
         look="topic echo TOPIC",
     ),
     "nobody": Rule(
