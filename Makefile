@@ -61,7 +61,7 @@ lesson-on-rclpy: ready-for-ros2
 $(RMWS:%=behaviours-on-%): behaviours-on-%: ready-for-ros2
 	RMW_IMPLEMENTATION=$* $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket
 
-nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install) ## everything that takes long: soaks, mutants, many rounds, a class; with TANK_REAL_ROS2, also the tests on both RMWs
+nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install) ## everything slow: soaks, mutants, many rounds, a class; with TANK_REAL_ROS2, also the tests on both RMWs
 	$(PYTEST) -m nightly tests
 	$(PYTEST) --hypothesis-profile random -m hypothesis tests
 	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 LARGEST = 100_000  # numbers or characters in one joint state message, more than any robot needs
 FARTHEST = 1e9  # [m]; even its square fits into single precision, which views use
 TOLERANCE = 0.01  # tolerance of a unit quaternion's squared length
-QUIET = 50  # messages left out silently at the start, because one topic's publisher is discovered first
+QUIET = 50  # messages skipped silently at the start, because one topic's publisher is discovered first
 
 
 def fault_of(message: JointState | TransformStamped) -> str:

@@ -20,7 +20,7 @@ async def test_rviz_shows_published_topics(domain):
         if topic:
             wanted[topic] = [TYPES[kind]]
     assert len(wanted) == len(TYPES)
-    wanted["/tf"] = ["tf2_msgs/msg/TFMessage"]  # rviz2 subscribes to it by itself
+    wanted["/tf"] = ["tf2_msgs/msg/TFMessage"]  # rviz2 subscribes to it automatically
 
     async with Host(Project.load(find_project("tools"))) as host:
         names = host.node.get_publisher_names_and_types_by_node

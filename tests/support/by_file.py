@@ -22,7 +22,7 @@ LONG = {
     "test_behaviour.py",
     "test_tables.py",
 }
-"""Files that take long. If one of them came last, the other workers would wait for it."""
+"""Files that take a long time. If one of them came last, the other workers would wait for it."""
 
 MORE_THAN_CORES = 1  # workers, because tests often wait: for discovery, a duration, or the end of a process
 

@@ -66,7 +66,7 @@ KEPT = "You probably reuse one dict in all calls. Make a new one in every call, 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
 CRANE = ("SLEW", "BRIDGE", "LUFF")
 ALMOST = ("turret_y", "Tank/TURRET_P", " HATCH", "TURRET", "", "HATCH_2")
-EARLIER = 0.777  # [rad]; all joints' position in an earlier message, which must not appear in the result
+EARLIER = 0.777  # [rad]; the position of every joint in an earlier message, which must not appear in the result
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:

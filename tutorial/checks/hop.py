@@ -69,7 +69,7 @@ class HopViewer(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:
-        """Hop on a blow. If the body is up, land first."""
+        """Hop when a blow arrives. If the body is up, land first."""
         a = message.linear_acceleration
         if hypot(a.x, a.y) > 20:
             self.land()

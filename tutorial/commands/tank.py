@@ -295,7 +295,7 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     from tutorial.commands.launcher import Launcher, load_launch_file
     from tutorial.system.paths import find_launch_file
 
-    ros_backend()  # otherwise, each process would report the missing ROS 2
+    ros_backend()  # otherwise, each process would report that ROS 2 is missing
     environment: dict[str, str] = {}
     if duration is not None:
         environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}

@@ -40,7 +40,7 @@ class PosePublisher(SimpleController):
 def odometry(io: ControllerIO) -> Odometry:
     """Return the pose and the velocity of the body's root, stamped with the simulated time.
 
-    As the message's definition demands, the pose [m] is in the parent frame, and the velocity [m/s], [rad/s] in the
+    As the message's definition requires, the pose [m] is in the parent frame, and the velocity [m/s], [rad/s] in the
     child frame. The covariances stay zero, because a simulator knows both exactly.
     """
     message = Odometry()

@@ -80,7 +80,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             clock: list[tuple[str, SimpleController]] = [("", ClockPublisher(self.node))] if project.clock else []
             for entry in project.bodies:  # from now on, messages arrive; the calls that they post wait for the loop
                 self._add(entry, simulates=project.time_step is not None)
-            # Zoom in on the bodies, unless one of several has no controllers, such as a laboratory.
+            # Zoom in on the bodies, unless there are several and one of them, such as a laboratory, has no controllers.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
                 view.look_at_bodies(*self._items)
             if project.time_step is not None:

@@ -111,7 +111,7 @@ def _choose(wanted: str) -> Backend:
 
 
 def _check_version(rclpy: Path) -> None:
-    """Refuse the rclpy in a folder if it was compiled for a different Python version.
+    """Reject the rclpy in a folder if it was compiled for a different Python version.
 
     Raises:
         TutorialError: the rclpy was compiled for a different version.

@@ -30,7 +30,7 @@ def accepted(row: dict[str, Any]) -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="module")
 def seen(backend):
-    """The results of a real ROS 2, by prelude and code: all in one process, because a process for each takes long.
+    """The results of a real ROS 2, by prelude and code: all in one process, because a process for each would be slow.
 
     Its graph lags behind, and some of the first snippets do not wait for it. So snippets that differ run again, up to
     five times, each in a separate process, as when they were recorded.

@@ -34,7 +34,7 @@ class _Sample(NamedTuple):
 
 
 class JointPlot(LivePicture):
-    """Plots joint positions over the messages' stamps. Create it on the main thread while its event loop is running.
+    """Plots joint positions against the messages' stamps. Create it on the main thread while its event loop is running.
 
     Its own node, ``joint_plot``, receives the messages. The newest ones are drawn at most ten times a second.
 

@@ -141,7 +141,7 @@ class McapReader:
             self._say(str(error))
 
     def _check_begin(self, file: IO[bytes]) -> None:
-        """Refuse a file that is not MCAP. Ignore the header's profile, which some programs leave out."""
+        """Reject a file that is not MCAP. Ignore the header's profile, which some programs leave out."""
         begin = file.read(len(MCAP0_MAGIC))
         if begin != MCAP0_MAGIC:
             raise CorruptBagError(f"it begins with {begin.hex(' ')!r}, unlike an MCAP file")

@@ -25,9 +25,9 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 
 LOOK_EVERY = 0.1  # [s] between checks for new topics and received messages
 QUIET = 0.1  # [s] of silence before the recorder stops expecting messages
-FLUSH_EVERY = 1.0  # [s]; a killed recording lacks this much at its end
+FLUSH_EVERY = 1.0  # [s]; if a recording is killed, up to this much is missing at the end
 DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
-MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum size of the messages that wait to be written
+MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum total size of the messages waiting to be written
 
 _log = logging.getLogger(__name__)
 

@@ -60,7 +60,10 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.add_constructor("tag:yaml.org,2002:int", lambda _loader, node: int(node.value))
-"""Integers in a bag are decimal. Python would accept other bases at any length, and then could not print the number."""
+"""Integers in a bag are decimal.
+
+In other bases, Python would accept a number of any length, and might then be unable to print it.
+"""
 
 
 def read_yaml(text: str | bytes) -> Any:

@@ -1,6 +1,6 @@
 """Collect the facts about a topic: what the node graph shows, what arrives, and what other domains have.
 
-The doctor subscribes and publishes nothing. Its node is hidden, like that of ``ros2``.
+The doctor only subscribes; it publishes nothing. Its node is hidden, like that of ``ros2``.
 """
 
 from __future__ import annotations
@@ -168,7 +168,8 @@ class _Elsewhere(ExitStack):
 
 def _endpoints(node: Node, topic: str) -> tuple[tuple[Endpoint, ...], tuple[Endpoint, ...]]:
     """Return the topic's publishers and subscriptions, with the node's own."""
-    with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy refuses all while one name is not UTF-8
+    # A real rclpy lists no endpoints as long as any name is not valid UTF-8.
+    with suppress(RuntimeError, UnicodeDecodeError):
         publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)
         return tuple(map(_endpoint, publishers)), tuple(map(_endpoint, subscriptions))
     return (), ()

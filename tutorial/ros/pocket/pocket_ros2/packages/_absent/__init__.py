@@ -1,4 +1,4 @@
-"""Refuse imports of modules that only a real ROS 2 has, with an error that explains this."""
+"""Reject imports of modules that only a real ROS 2 has, with an error that explains this."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Refuse the parts of rclpy that the pocket ROS 2 does not have, and explain that they need a real ROS 2."""
+"""Reject any use of the parts of rclpy that the pocket ROS 2 lacks, and explain that they need a real ROS 2."""
 
 import inspect
 import json
@@ -40,7 +40,7 @@ class AbsentAttribute:
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
-    """Refuse the options in a call that only a real rclpy has.
+    """Reject options of a call that only a real rclpy has.
 
     Raises:
         NeedsRealROSError: such an option is used.
@@ -54,7 +54,7 @@ def refuse(function: str, options: dict[str, Any]) -> None:
 
 
 def refuse_coroutine(callback: Any) -> None:
-    """Refuse a callback that is a coroutine function.
+    """Reject a callback that is a coroutine function.
 
     Raises:
         NeedsRealROSError: the callback is a coroutine function.

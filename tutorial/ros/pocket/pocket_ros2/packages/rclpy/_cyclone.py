@@ -451,7 +451,7 @@ def _userdata(qos: Qos) -> bytes:
 
 
 def _forget() -> None:
-    """Drop all DDS entities in a newly forked process, without calls into DDS, which would wait for missing threads."""
+    """Drop all DDS entities in a newly forked process, without calling DDS, which would wait for missing threads."""
     global _forked  # noqa: PLW0603
     _forked = _forked or bool(_domains)
     for entity in list(core.Entity._entities.values()):

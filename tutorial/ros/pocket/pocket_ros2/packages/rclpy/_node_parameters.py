@@ -21,7 +21,7 @@ OnSetCallback = Callable[[list[Parameter]], SetParametersResult]
 PostSetCallback = Callable[[list[Parameter]], None]
 
 TYPE_SERVICE = "start_type_description_service"
-"""A parameter that every node of rclpy has. It has no effect here, because there are no services."""
+"""A parameter that every rclpy node has. It has no effect here, because there are no services."""
 
 EMPTIED = (
     "parameter list cannot be empty, this might be due to pre_set_parameters_callback modifying the original "
@@ -369,7 +369,10 @@ class NodeParameters:
         return SetParametersResult(successful=True)
 
     def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
-        """Return the list in the event that a parameter's change belongs in. Call this before setting the parameter."""
+        """Return the event's list for this change: new, changed or deleted parameters.
+
+        Call this before setting the parameter.
+        """
         if parameter.type_ == Parameter.Type.NOT_SET and not is_declared_now:
             changes = event.deleted_parameters
         elif self.get_parameter_or(parameter.name).type_ == Parameter.Type.NOT_SET:

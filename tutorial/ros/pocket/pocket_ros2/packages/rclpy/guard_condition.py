@@ -26,7 +26,7 @@ class GuardCondition(Destroyable):
         self._triggered = False
 
     def trigger(self) -> None:
-        """Make the executor run the callback, once for all triggers until then.
+        """Make the executor run the callback. Several triggers before it runs count as one.
 
         Raises:
             InvalidHandle: the guard condition has been destroyed.
