@@ -145,7 +145,7 @@ class CallQueue:
                 if (call := self._next()) is None:  # the queue was closed meanwhile
                     break
                 call.run()
-        finally:  # even after a KeyboardInterrupt, because a notebook's loop continues, and the calls still wait
+        finally:  # even after a KeyboardInterrupt, because a notebook's loop continues and the calls are still waiting
             with self._lock:
                 self._turn_requested = False
                 if self._waiting:

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 NAMES_KEPT = 3  # in each `NameList`, to keep a report small however many names a message has
 SECOND_NS = 1_000_000_000  # [ns] a stamp that steps back further means that the publisher was restarted
-PAUSE_NS = 10 * SECOND_NS  # [ns] the longest pause that one of several publishers may make between messages
+PAUSE_NS = 10 * SECOND_NS  # [ns] the longest allowed pause between messages from one of several publishers
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
-SLACK = 1e-3  # [rad or m] excess over a range that is not reported, because simulated limits are soft
+SLACK = 1e-3  # [rad or m] a range can be exceeded this far without a report, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # as a fraction of a jump: how near it ends to the position before last, or a rival's
 COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
@@ -82,7 +82,7 @@ class Arrival(Enum):
     """How a message follows the previous ones. If that differs between joints, the report has the value listed last."""
 
     NEXT = ""  #: the publisher's next message
-    RESTARTED = "the publisher was started again"  #: its stamp steps far back
+    RESTARTED = "the publisher was started again"  #: its stamp jumps far back
     SWITCHED = "the publisher was started again, or fell silent, and the viewer follows a new one"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed

@@ -32,7 +32,7 @@ class State(Enum):
 
     IDLE = "idle"  #: not being stepped; ready to step
     RUNNING = "running"  #: a thread steps it: its own, or that of the caller of `Simulation.advance`
-    FAILED = "failed"  #: stopped, because a controller raised `Simulation.error`; can be stepped again
+    FAILED = "failed"  #: stopped by a controller's exception, `Simulation.error`; can be stepped again
     ABANDONED = "abandoned"  #: stopped for good: a controller does not return, and may still touch its body
 
 
@@ -41,7 +41,7 @@ class Simulation:
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
     `stop`. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is initialized
-    with. Any thread may call the methods, except `copy_to`; a controller may call none of them.
+    with. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
 
     Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
     a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:

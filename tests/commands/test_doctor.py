@@ -39,7 +39,7 @@ OTHERS = "all machines in this network"
         ("discovery", "pocket", 0, {"CYCLONEDDS_URI": "x"}, "note", "; CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
         ("domain", "pocket", [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: nobody else", ""),
         ("domain", "pocket", ["/t", "/j", "/t"], {}, "note", "/j, 2 x /t. Nodes with the same", "__node:=viewer"),
-        ("domain", "pocket", LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
+        ("domain", "pocket", LIBCRYPTO, {}, "problem", "cannot create a node in domain 0: ImportError", "ROS 2"),
     ],
 )
 def test_each_probe_reports_what_it_finds(monkeypatch, probe, kind, answer, environment, level, said, fix):

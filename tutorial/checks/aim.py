@@ -66,7 +66,7 @@ MISTAKES = [
     Mistake("you multiply the move by time_step. The reference moves "
             "by 0.002 * stick rad in each call, whatever the time step.",
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
-    Mistake("you use only the sign of the stick. Half a stick moves the reference half as far: 0.002 * stick.",
+    Mistake("you use only the sign of the stick. At half stick, the reference moves half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
     Mistake("you limit the stick to joint.range. Limit the reference, which is an angle.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
@@ -107,7 +107,7 @@ MISTAKES = [
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: move and limit q_ref, compute both speeds, and "
            "set 200 * (q_ref - q) + 50 * (dq_ref - dq), without a limit.")  # fmt: skip
-POSITION = "You probably set the result as joint.position. A motor takes a torque: set joint.effort."
+POSITION = "You probably set joint.position to the result. A motor takes a torque: set joint.effort."
 
 NARROW = (-0.1700001, 0.7800001)  # [rad]; slightly more than a whole number of moves from the cases' starting angles
 

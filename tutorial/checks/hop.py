@@ -107,7 +107,7 @@ class Hall(Viewer):
         self.stand(PLACE if self.body.name == "Rover" else OTHER_PLACE)
 
     def stand(self, place: Vector) -> None:
-        """Put the body at a place [m]."""
+        """Move the body to a position [m]."""
         self.place = self.body.position = place
         self.body.calc_forward_kinematics()
         self.shown.clear()

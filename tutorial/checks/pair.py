@@ -1,6 +1,6 @@
 """The exercise `pair`: match two messages from the same moment.
 
-Write the class `Pairs`. It matches messages from two topics that belong to the same moment. The viewer calls its method
+Write the class `Pairs`. It pairs messages of two topics that have the same stamp. The viewer calls its method
 `add(stream, message)` with each message on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages with
 the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it returns `None`.
 

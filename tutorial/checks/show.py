@@ -140,8 +140,8 @@ FIRST = [
          "You probably use an index beyond the end: there can be fewer "
          "positions than names. match_joints handles that.", crashes=True),
     Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
-         "You probably drop a message because of its stamp. After a restart of "
-         "the publisher, stamps are smaller, and they can be equal."),
+         "You probably drop a message because of its stamp. After the publisher "
+         "restarts, its stamps are smaller than before, and two messages can have the same stamp."),
     Case("the same message again", steps(repeated), "You probably leave out a message that repeats the positions of "
          "the previous one. Show every message, and notify after it."),
     Case("a message that arrives while the body is being drawn",

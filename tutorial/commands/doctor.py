@@ -217,7 +217,7 @@ def domain() -> Diagnosis:
         names = ask(_nodes)
     except TutorialError as error:
         fix = "fix the problems of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
-        return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", fix)
+        return Diagnosis("problem", f"cannot create a node in domain {number}: {error}", fix)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
     text = f"in domain {number}: {', '.join(named) or 'nobody else'}"

@@ -53,7 +53,7 @@ class JointWatch:
         body.on_change(self.take)
 
     def take(self, report: JointReport | None) -> None:
-        """Process the report on one message. Ignore a change without a message, which has no report."""
+        """Process the report on one message. Ignore a change that no message caused: it has no report."""
         if report is None:
             return
         self.tally.update(report.counts())

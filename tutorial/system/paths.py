@@ -29,12 +29,12 @@ SHIPPED = PACKAGE / "_files"
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a path that a user may have written is a file; False if it is too long or malformed."""
+    """Return whether a path, even one that a user typed, is a file; False if it is too long or malformed."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for an invalid path
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a path that a user may have written is a folder."""
+    """Return whether a path, even one that a user typed, is a folder."""
     return os.path.isdir(path)  # noqa: PTH112 - pathlib raises an error for an invalid path
 
 

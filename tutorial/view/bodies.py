@@ -20,7 +20,7 @@ from tutorial.view.scene import Scene, Vector
 ROOT = "/Bodies"
 
 CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))
-"""The camera's first position, and the point that it looks at [m]."""
+"""The camera's initial position, and the point that it looks at [m]."""
 
 CLOSE_UP = np.array([-1.0, -0.8, 0.6])
 """The camera's position for a close-up, relative to the bodies' centre and as a multiple of their extent."""

@@ -86,7 +86,7 @@ def observe(
         expected: returns a case's result for the solution.
     """
     shared, seen = SharedState(answer), list[Observation]()
-    watched = files_of(answer)  # first, because running the answer can add functions of other files to its class
+    watched = files_of(answer)  # first, because running the answer can add functions from other files to its class
     for case in cases.cases:
         trial = begin(answer, watched)
         value, began = attempt(case.run, trial), time.monotonic()

@@ -38,7 +38,7 @@ def notice(width: float, height: float, text: str, widest: float = 0.0) -> str:
 
     Args:
         width, height: the picture's size [px].
-        text: the text, of any characters.
+        text: the text; it can contain any characters.
         widest: see `new_picture`.
     """
     root = new_picture(width, height, widest)
@@ -69,7 +69,7 @@ def write(parent: Element, x: float, y: float, text: str, style: str = f"fill:{I
         parent: the element to add it to.
         x: position of the text's start, middle or end [px].
         y: position of the baseline [px].
-        text: the text, of any characters.
+        text: the text; it can contain any characters.
         style: CSS.
         anchor: the part of the text at x: ``"start"``, ``"middle"`` or ``"end"``.
     """

@@ -437,7 +437,7 @@ RULES: dict[str, Rule] = {
     "nobody": Rule(
         "nobody publishes the topic",
         _nobody,
-        "A subscription alone receives nothing, and ROS 2 does not report a topic without a publisher.",
+        "A subscription alone receives nothing, and ROS 2 does not warn that a topic has no publisher.",
         "Start the program that publishes the topic, or look for an error in its terminal.",
         look="topic list",
     ),

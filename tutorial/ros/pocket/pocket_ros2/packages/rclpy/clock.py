@@ -91,7 +91,7 @@ class Clock:
         return self.sleep_until(self.now() + rel_time, context)
 
     def _timer_ns(self) -> int:
-        """Return the time for timers [ns], which does not change when somebody sets the system's clock."""
+        """Return the time for timers [ns]. Changes to the system clock do not affect it."""
         return self._simulated_ns if self._is_simulated else time.monotonic_ns()
 
     def __repr__(self) -> str:
