@@ -11,6 +11,7 @@ from contextlib import ExitStack
 import pytest
 from programs import TANK, until
 
+from tutorial.commands import terminal
 from tutorial.commands.topic_doctor import doctor_of
 from tutorial.ros.doctor.machine import domains_in_use, programs
 from tutorial.ros.doctor.observe import observe
@@ -84,7 +85,8 @@ def take(domain):
 
 @pytest.mark.pocket
 @pytest.mark.parametrize("topic", ["/joy", "joint_state"])
-def test_full_domain(domain, take, capsys, topic):
+def test_full_domain(domain, take, capsys, monkeypatch, topic):
+    monkeypatch.setattr(terminal, "handle_signals", lambda *_: None)  # pytest has its own handlers
     take(32)
     assert doctor_of(topic, []) == 1
     assert capsys.readouterr().out.startswith("1. The domain is full\n     saw   All 32 places of domain")
