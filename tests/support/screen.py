@@ -50,6 +50,7 @@ LOOK = """([number, isStart]) => {
         const sight = {
             name: pane.ariaLabel, share: shareOf(pane, pane.closest(".jp-Cell")),
             has_moved: moved(now, pane.atStart), moves,
+            is_new: Number(pane.closest(".jp-Cell").dataset.windowedListIndex) === number,
         };
         pane.atLast = now;
         return sight;
@@ -85,12 +86,14 @@ class Sight:
         share: how much of it is on the screen, 0 to 1.
         has_moved: whether something in it has moved since the cell was started.
         moves: whether something in it has moved since the last glance.
+        is_new: whether the cell that runs shows it.
     """
 
     name: str
     share: float
     has_moved: bool
     moves: bool
+    is_new: bool
 
 
 def described_cells(path: Path) -> Iterator[range]:
@@ -107,25 +110,37 @@ def described_cells(path: Path) -> Iterator[range]:
 class Learner:
     """Somebody who presses Shift+Enter, waits for the cell, and looks.
 
+    A view that moves between two cells belongs to a program that runs by itself, perhaps with pauses. Until a cell
+    shows the view again, its motion is not the effect of a cell.
+
     Args:
         notebook: it is open, and at its beginning.
         path: its file.
-
-    Attributes:
-        missed: what happened off the screen, a line each.
     """
 
     def __init__(self, notebook: Notebook, path: Path) -> None:
-        self.missed: list[str] = []
+        self._missed: list[str] = []
+        self._moved: dict[str, list[int]] = {}  # off the screen, and the cells that may have moved them
+        self._running: set[str] = set()  # views of programs that run by themselves
         self._notebook = notebook
         self._described = {cells[-1]: cells for cells in described_cells(path) if cells}
 
+    @property
+    def missed(self) -> list[str]:
+        """What happened off the screen, a line each."""
+        return [*self._missed, *(line for name in self._moved for line in self._lines(name))]
+
+    def _lines(self, name: str) -> list[str]:
+        return [f"cell {number} moves what is not on the screen: {name}" for number in self._moved.get(name, ())]
+
     async def run_cell(self, number: int) -> None:
-        """Run the next cell, and note the effects off the screen. A view that already moves is not an effect."""
+        """Run the next cell, and note the effects off the screen."""
         await self._look(number)
         await asyncio.sleep(GLANCE)
         before, _ = await self._look(number, is_start=True)
-        moving = {sight.name for sight in before if sight.moves}
+        for name in {sight.name for sight in before if sight.moves}:
+            self._running.add(name)
+            self._moved.pop(name, None)
         await self._notebook.page.keyboard.press("Shift+Enter")
         unseen: dict[str, int] = {}
 
@@ -146,12 +161,16 @@ class Learner:
         sights, _ = await self._look(number)
         gone = {sight.name for sight in sights if sight.has_moved} - _on_screen(sights)
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
-        gone -= moving
-        self.missed += [f"cell {number} moves what is not on the screen: {name}" for name in sorted(gone)]
+        for name in gone - self._running:
+            self._moved.setdefault(name, []).append(number)
+        for name in {sight.name for sight in sights if sight.is_new}:
+            self._missed += self._lines(name)
+            self._moved.pop(name, None)
+            self._running.discard(name)
         if cells := self._described.get(number):
             height, screen = await self._notebook.page.evaluate(_with_names(HEIGHT), [cells.start, cells.stop])
             if height > screen:
-                self.missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
+                self._missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
 
     async def _look(self, number: int, is_start: bool = False) -> tuple[list[Sight], bool]:
         sights, drawn = await self._notebook.page.evaluate(_with_names(LOOK), [number, is_start])
