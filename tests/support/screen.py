@@ -123,6 +123,8 @@ class Learner:
         self._moved: dict[str, list[int]] = {}  # off the screen, and the cells that may have moved them
         self._running: set[str] = set()  # views of programs that run by themselves
         self._notebook = notebook
+        cells = nbformat.read(path, as_version=4).cells
+        self._code = {number for number, cell in enumerate(cells) if cell.cell_type == "code"}
         self._described = {cells[-1]: cells for cells in described_cells(path) if cells}
 
     @property
@@ -134,7 +136,18 @@ class Learner:
         return [f"cell {number} moves what is not on the screen: {name}" for number in self._moved.get(name, ())]
 
     async def run_cell(self, number: int) -> None:
-        """Run the next cell, and note the effects off the screen."""
+        """Run the next cell, and note the effects off the screen. A cell of text has none."""
+        if number in self._code:
+            await self._run_code(number)
+        else:
+            await self._notebook.page.keyboard.press("Shift+Enter")
+            await asyncio.sleep(GLANCE)
+        if cells := self._described.get(number):
+            height, screen = await self._notebook.page.evaluate(_with_names(HEIGHT), [cells.start, cells.stop])
+            if height > screen:
+                self._missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
+
+    async def _run_code(self, number: int) -> None:
         await self._look(number)
         await asyncio.sleep(GLANCE)
         before, _ = await self._look(number, is_start=True)
@@ -167,10 +180,6 @@ class Learner:
             self._missed += self._lines(name)
             self._moved.pop(name, None)
             self._running.discard(name)
-        if cells := self._described.get(number):
-            height, screen = await self._notebook.page.evaluate(_with_names(HEIGHT), [cells.start, cells.stop])
-            if height > screen:
-                self._missed.append(f"what is shown up to cell {number} and its description need {height:.0f} px")
 
     async def _look(self, number: int, is_start: bool = False) -> tuple[list[Sight], bool]:
         sights, drawn = await self._notebook.page.evaluate(_with_names(LOOK), [number, is_start])
