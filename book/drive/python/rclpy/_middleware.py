@@ -127,7 +127,7 @@ class Endpoint:
             self._participant.wire.tell()
 
     def compare(self, everyone: list[Info]) -> None:
-        """Find its partners among all endpoints. Note which new ones do not match, and receive what the others keep."""
+        """Find its partners among all endpoints. Record new misfits, and receive what new partners keep."""
         known, self.partners = self.partners, {}
         for each in everyone:
             if each.topic_name == self.info.topic_name and each.kind != self.info.kind and each.owner != self._ignored:
