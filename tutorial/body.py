@@ -81,8 +81,8 @@ class Joint:
         """Torque or force [N.m or N] of the joint's actuators in the last step. Setting it commands the motor.
 
         Raises:
-            TutorialError: on assignment, if the joint has no motor, or a servo; the error names the actuator and its
-                kind.
+            TutorialError: on assignment, if the joint has no motor or has a servo; the error names the actuator and
+                its kind.
         """
         return self._effort.item(self._dof_adr)
 
@@ -260,17 +260,17 @@ class Body:
         return self._by_name[name]
 
     def actuator(self, name: str) -> Actuator:
-        """Find an actuator by name; raises the same error as `joint`."""
+        """Find an actuator by name, or raise the same error as `joint`."""
         number = self.find_id("actuator", self.model.actuator, self.model.nactuator, name)
         return Actuator(name, self.data, int(self.model.actuator_ctrladr[number]))
 
     def sensor(self, name: str) -> Sensor:
-        """Find a sensor by name; raises the same error as `joint`."""
+        """Find a sensor by name, or raise the same error as `joint`."""
         number = self.find_id("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def camera(self, name: str) -> Any:
-        """Find a simulated body's `tutorial.view.camera.Camera` by name; raises the same error as `joint`."""
+        """Find a simulated body's `tutorial.view.camera.Camera` by name, or raise the same error as `joint`."""
         if self.find_camera is None:
             raise TutorialError(
                 f"the displayed body {self.name!r} cannot take pictures. Use the simulated body, io.body."

@@ -31,7 +31,7 @@ class CallLatest(Protocol):
 
 @dataclass(frozen=True)
 class ControllerConfig:
-    """The parts of its program that a controller receives when it joins a body.
+    """The parts of the program that a controller receives when it joins a body.
 
     Attributes:
         body: the displayed body; it belongs to the main thread.
@@ -79,8 +79,8 @@ class ControllerIO:
 class SimpleController:
     """Base of all controllers, with the original tutorial's names and methods. Each docstring names the calling thread.
 
-    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, `initialize`, then
-    `control` at every step, and `stop` are called in between.
+    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, the calls between them are
+    `initialize`, then `control` at every step, and finally `stop`.
     """
 
     def configure(self, config: ControllerConfig) -> None:

@@ -48,8 +48,8 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 def printable(text: str) -> str:
     """Escape every invisible character in text from outside, so that a terminal can print it safely.
 
-    These are control characters, which a terminal would obey, characters that reverse the direction of writing, line
-    ends and lone surrogates.
+    These are control characters, which a terminal would interpret, characters that reverse the direction of writing,
+    line breaks and lone surrogates.
 
     Returns:
         For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text with only visible characters is returned unchanged.
@@ -62,7 +62,7 @@ def printable(text: str) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """Escape invisible characters as `printable` does, but keep line ends and tabs.
+    """Escape invisible characters as `printable` does, but keep line breaks and tabs.
 
     Pass each part from outside through `printable` before you insert it; otherwise, it could add lines.
     """

@@ -15,7 +15,7 @@ from tutorial.handoff import Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
-SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005, a busy cell starves a thread that wakes a thousand times a second
+SWITCH_INTERVAL = 0.0002  # [s]; with the default, 0.005, a busy cell starves a thread that wakes every millisecond
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between batches of steps
 LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
@@ -56,7 +56,8 @@ class Simulation:
     =========  ==============  ===========  ===================  ============================
 
     A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, `stop` is the only method
-    of a controller that is called. If it raises during a run, in `release`, the run goes on, and ends in FAILED.
+    of a controller that is called. If it raises when `release` calls it during a run, the run continues, and then ends
+    in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
@@ -67,7 +68,7 @@ class Simulation:
         snapshot: the world's newest state, for other threads.
         state: the current state.
         error: the last error of a controller since the last start, or None.
-        rest: the pause between batches of steps in real time [s]. A longer pause takes less processor time.
+        rest: the pause between batches of steps in real time [s]. A longer pause saves CPU time.
 
     Raises:
         TutorialError: the bodies cannot form a world.
@@ -90,7 +91,7 @@ class Simulation:
         self.state = State.IDLE
         self.error: ControllerError | None = None
         # Two locks, always taken in this order. Methods that start, stop or change something take turns, and hold the
-        # first lock even while they wait for controllers. A change of state needs only the second lock, which nobody
+        # first lock even while they wait for controllers. A change of state needs only the second lock, which no thread
         # holds while a controller runs. So a run can record its end while stop() has the turn and waits for that end.
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
@@ -115,7 +116,7 @@ class Simulation:
         return self.world.time
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to their positions in the newest snapshot. Main thread.
+        """Move displayed bodies to their positions in the newest snapshot. Main thread only.
 
         Args:
             bodies: displayed bodies; bodies that are not simulated do not move.
@@ -211,7 +212,7 @@ class Simulation:
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Let one caller at a time start, stop or change something, but no controller: it would wait for itself."""
+        """Let one caller at a time start, stop or change something. Refuse a controller: it would wait for itself."""
         if self._step_run.is_mine() or self._stop_run.is_mine():
             raise TutorialError(
                 f"{caller} was called by a controller, and would wait for it forever. Call it elsewhere."

@@ -68,7 +68,7 @@ class Run:
         return run
 
     def is_mine(self) -> bool:
-        """Return whether the calling thread is this run's thread, so that the caller must be one of its controllers."""
+        """Return whether the calling thread is this run's, which means that one of its controllers is calling."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
@@ -141,7 +141,7 @@ class SteppedWorld:
         return Snapshot(self.time, self.data.qpos.copy())
 
     def initialize(self, run: Run) -> None:
-        """Initialize every controller, unless they already are. If one fails, stop the initialized ones.
+        """Initialize all controllers, unless that has been done. If one fails, stop those that were initialized.
 
         Raises:
             ControllerError: a controller raised an exception.

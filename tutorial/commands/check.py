@@ -103,14 +103,14 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Name each notebook by its path below the common folder, with control characters as escapes."""
+    """Name each notebook by its path below the common folder, and escape control characters."""
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - keep a link's own name
     common = Path(os.path.commonpath([path.parent for path in absolute]))
     return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
 
 
 async def _judge_all(names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, done: Done) -> None:
-    """Judge notebooks, `jobs` at a time, with a progress bar or, without a terminal, a line for each."""
+    """Judge notebooks, `jobs` at a time. Show a progress bar or, without a terminal, a line for each notebook."""
     from tqdm import tqdm
 
     from tutorial.commands.checking.submission import judge

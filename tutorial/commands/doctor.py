@@ -1,4 +1,4 @@
-"""``tank doctor``: check whether the tutorial can run on this machine, and say how to fix what is wrong.
+"""``tank doctor``: check whether the tutorial can run on this machine, and suggest fixes.
 
 Checks that can crash or hang run in a separate process, which prints its answer as JSON.
 """
@@ -119,7 +119,7 @@ def ask(question: Callable[[], Any], timeout: float = TIMEOUT) -> Any:
 
 
 def mujoco() -> Diagnosis:
-    """Report MuJoCo's version, and whether it renders the pictures of a camera."""
+    """Report MuJoCo's version, and whether it can render camera images."""
     try:
         version, problem = ask(_mujoco)
     except TutorialError as error:

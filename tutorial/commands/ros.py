@@ -82,7 +82,7 @@ def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[str], object]]:
-    """Show the reported progress, and end the command with a message on Ctrl-C."""
+    """Show the reported progress, and exit with a message on Ctrl-C."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with status_line() as report:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from tutorial.program.project import Project
 
 FILE = click.Path(path_type=Path)
-LINGER = 30.0  # [s] that launched processes wait for each other, on top of the duration itself: machines can be slow
+LINGER = 30.0  # [s] that launched processes wait for each other, in addition to the duration: machines can be slow
 
 
 def main(args: list[str] | None = None) -> None:
@@ -228,7 +228,7 @@ for command in (bag, chaos, check, node, package, ros, topic):
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Separate the command's own arguments from ROS 2's arguments: from ``--ros-args`` to ``--`` or the end."""
+    """Separate the command's own arguments from ROS 2's, which extend from ``--ros-args`` to ``--`` or to the end."""
     if "--ros-args" not in words:
         return words, []
     begin = words.index("--ros-args")

@@ -88,7 +88,7 @@ def sticks(message: Joy) -> tuple[float, float, float, float]:
 
 
 def dead_zone(axis: float, width: float) -> float:
-    """Return 0 near the middle, where a released stick never rests exactly; otherwise the axis."""
+    """Return 0 if the axis is near the middle, because a released stick never rests exactly there; else the axis."""
     return axis if abs(axis) > width else 0.0
 
 

@@ -38,7 +38,7 @@ def robot_description(body: Body) -> str:
     Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing from joint states
     are fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with
     a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts all of
-    these. If the description moves differently from the robot, a warning is logged, too.
+    these. If the description moves differently from the robot, a warning is also logged.
 
     Args:
         body: a displayed body, whose model contains nothing else.
@@ -134,8 +134,8 @@ class _Writer:
     def _lead(self, parent: Element, joints: list[int], place: Matrix, name: str) -> Element:
         """Add a link, and the joints that lead to it.
 
-        URDF allows one joint between two links, with its axis through the child's frame. So this adds massless links
-        between joints, and one on the axis if it does not pass through the body's frame.
+        URDF allows one joint between two links, with its axis through the child's frame. This function therefore adds
+        massless links between joints, and one on the axis if the axis does not pass through the body's frame.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)

@@ -52,7 +52,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         note: text at the start of the line below the view, until the next run.
 
     Raises:
-        TutorialError: a controller does not fit its body; or, at the end of the context, one has failed to leave it.
+        TutorialError: a controller does not fit its body or, at the end of the context, has failed to leave it.
     """
 
     def __init__(
@@ -100,12 +100,12 @@ class Host(AbstractAsyncContextManager["Host"]):
     async def run(
         self, duration: float | None = None, linger: float = 0.0, progress: Callable[[float], object] | None = None
     ) -> None:
-        """Run for a while. The event loop stays free: meanwhile, posted calls run and the view is drawn.
+        """Run the program. The event loop stays free, so posted calls run and the view is drawn meanwhile.
 
         Args:
             duration: how long [s], in simulated time if the project simulates; None to run until cancelled.
-            linger: if the program only displays, how long to wait after the duration [s], at most, until the publishers
-                have left and their messages have been applied.
+            linger: if the program only displays, the longest wait after the duration [s] for the publishers to leave
+                and for their messages to be applied.
             progress: called with `seconds` once every frame.
 
         Raises:
@@ -183,7 +183,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self._view.remove(name)
 
     def close(self) -> None:
-        """End the simulation, the controllers and the node. Idempotent; if Ctrl-C interrupts it, call it again."""
+        """Shut down the simulation, controllers and node. Idempotent; if Ctrl-C interrupts it, call it again."""
         self._closed = True
         try:
             if self.simulation is not None:

@@ -15,9 +15,9 @@ from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between log lines about a body's messages, and between queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as stale
-CONTESTED_FOR = 2.0  # [s] for which the line below the view names a rival after its last message
+CONTESTED_FOR = 2.0  # [s] that the line below the view keeps naming a rival after its last message
 NAMED = 3  # number of stale joints or nodes to name; any others are only counted
-LONGEST_NAME = 60  # characters of a node's name to show, at most
+LONGEST_NAME = 60  # maximum number of characters of a node's name to show
 
 _log = logging.getLogger(__name__)
 
@@ -95,7 +95,7 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Report whether no message has arrived, or no message could be shown yet."""
+        """Explain why there is no report yet: no message has arrived, or none could be shown."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"no message on {topic} could be shown yet"
@@ -116,7 +116,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Record that a rival's message has arrived. From time to time, look up the publishers, and log a change."""
+        """Record that a rival's message has arrived. From time to time, look up the publishers, and log any change."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return

@@ -81,7 +81,7 @@ class Project:
 
     @classmethod
     def load(cls, path: str | Path) -> Project:
-        """Read a project file and check it.
+        """Read and validate a project file.
 
         Args:
             path: the file; the paths of models are relative to its folder.
@@ -222,7 +222,7 @@ def _find_model(folder: Path, given: str) -> Path:
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
-    """Return positions in rows. Seen along x, each is filled from left to right, in front of the previous one."""
+    """Return positions in rows, each filled from left to right (seen along x) and in front of the previous row."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     x, y, z = middle

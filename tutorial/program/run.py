@@ -21,7 +21,7 @@ class SimulatedRun:
 
     Args:
         simulation: the running simulation.
-        has_duration: whether it should stop by itself. If it makes no steps for too long, the run stops it.
+        has_duration: whether the simulation should stop after a duration. If it hangs before that, the run stops it.
     """
 
     simulation: Simulation

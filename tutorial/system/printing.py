@@ -9,9 +9,10 @@ from tutorial.errors import printable_lines
 
 
 def print_text(text: str, err: bool = False) -> None:
-    """Print text with its own line ends, and flush. All commands print with this function.
+    """Print text without adding a line break, and flush. All commands print with this function.
 
-    Control characters are printed as escapes: parts of the text may come from outside, and a terminal would obey them.
+    Control characters are printed as escapes: parts of the text may come from outside, and a terminal would interpret
+    them.
 
     Args:
         text: the text.

@@ -15,13 +15,13 @@ LONGEST = 1.0
 """Length limit of arrows [m], whatever is published."""
 
 LARGEST = 1e6
-"""Larger numbers are shown as this one, to keep the table narrow."""
+"""Measured values are clamped to this magnitude, to keep the table narrow."""
 
 SMOOTHNESS = 0.7
 """The fraction of the difference between the shown and measured vectors that is left after each frame."""
 
 UNSEEN = 1e-3
-"""The scale of a hidden arrow. It is not 0, because a matrix has to have an inverse."""
+"""The scale of a hidden arrow. It is not 0, because the matrix has to be invertible."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class Arrow:
         yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Return the measurement as name, x, y, z, unit and legend; empty without one."""
+        """Return the measurement as name, x, y, z, unit and legend; empty if there is none."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))

@@ -132,7 +132,7 @@ class CameraRenderer:
                 self._changed.wait_for(lambda: self._at_work is None or self._at_work.camera is not camera, TIMEOUT)
 
     def close(self) -> None:
-        """End the thread. Idempotent."""
+        """Stop the thread. Idempotent."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()

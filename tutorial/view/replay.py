@@ -37,7 +37,7 @@ class Replay:
     Attributes:
         scene: a message of `tutorial.view.scene` with all objects and the animation.
         times: the frames' times [s], from 0.
-        joints: by "body joint", the position in each frame [rad], or [m] for a slide joint; NaN where there is none.
+        joints: by "body joint", the position in each frame [rad], or [m] for a slide joint; NaN where it is missing.
         lines: the lines below the view: (start time [s], text).
     """
 
@@ -96,7 +96,7 @@ class ReplayRecorder:
         scene: the scene to record, from now on.
         seconds: returns the elapsed time of the run [s].
         joints: returns the joints' positions [rad], or [m], by "body joint".
-        longest_pause: longer pauses without movement are cut to this length [s].
+        longest_pause: longer pauses without movement are shortened to this length [s].
     """
 
     def __init__(
@@ -157,7 +157,7 @@ def recorded(
         title: the title of the page.
         seconds: returns the time that the scene shows [s].
         joints: returns the joints' positions [rad], or [m], by "body joint".
-        longest_pause: longer pauses without movement are cut to this length [s].
+        longest_pause: longer pauses without movement are shortened to this length [s].
 
     Raises:
         TutorialError: the file cannot be written; this is checked before the run.

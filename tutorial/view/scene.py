@@ -150,7 +150,7 @@ class Scene:
         self._put(CAMERA, pack_record(Record.CAMERA, _CAMERA.pack(*position, *target)))
 
     def flush(self) -> None:
-        """Send all changes since the last flush to the attached sinks as one message. Without changes, send nothing.
+        """Send all changes since the last flush to the attached sinks as one message, if there are any.
 
         If a sink raises an exception, log it and detach the sink; the other sinks still receive the message.
 

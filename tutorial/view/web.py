@@ -1,7 +1,7 @@
 """Serves the 3D view to browsers on this machine, for programs outside Jupyter.
 
-The server has no thread or process of its own. It runs on the main thread's event loop, and so ends with the program,
-however that ends.
+The server has no thread or process of its own. It runs on the main thread's event loop, so it ends with the program,
+however the program ends.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tutorial.view.scene import Scene
 
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
-"""The server uses the first free one."""
+"""The server uses the first free port of these."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "

@@ -119,8 +119,8 @@ def _controller(file: Path, only: str | None) -> dict[str, str]:
         only: the name of its class; None if the file defines only one.
 
     Raises:
-        TutorialError: the file is missing or fails, it defines several controllers or none of this name, or no project
-            of the course has one of this name.
+        TutorialError: the file is missing or fails; it defines several controllers, or no controller of this name; or
+            no project of the course has a controller of this name.
     """
     found = load_controllers(file, only)
     bases = {base for controller in found.values() for base in controller.__mro__[1:]}

@@ -155,11 +155,11 @@ def tick_text(value: float, step: float) -> str:
 
 
 def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
-    """Remove points that would not be visible, keeping the lowest and the highest of each stretch.
+    """Remove points that would not be visible, but keep the lowest and the highest point of each section.
 
     Args:
         points: the points, sorted by x.
-        most: the number of points to keep, at most.
+        most: the maximum number of points to keep.
     """
     if len(points) <= most:
         return points

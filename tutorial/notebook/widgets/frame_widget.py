@@ -89,7 +89,7 @@ class FrameWidget(CellWidget):
                     self._seen.pop(view, None)
 
     def _note(self, view: str, frame: int) -> bool:
-        """Record the last frame that a view has seen; return False if the view is no longer sent frames."""
+        """Record the last frame that a view has seen; return False if the widget no longer sends it frames."""
         with self._lock:
             if view in self._seen:
                 self._seen[view] = frame

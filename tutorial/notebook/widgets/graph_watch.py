@@ -91,7 +91,7 @@ class GraphWatch:
     def _nodes(self, on_topics: set[str]) -> tuple[dict[str, int], int]:
         """Count the nodes by name, preferring nodes on topics; return the counts, and the number of names left out.
 
-        A node that publishes or subscribes counts as one even before discovery has found its name.
+        A node that publishes or subscribes is counted even before discovery has found its name.
         """
         names = (full_name(*each) for each in self._node.get_node_names_and_namespaces())
         counts = Counter(escape_name(name) for name in names if not is_hidden(name))
@@ -140,6 +140,6 @@ class _RateMeter:
 
 
 def _visible(infos: list[TopicEndpointInfo]) -> tuple[str, ...]:
-    """Return the full names of the endpoints' nodes, sorted, without duplicates and hidden nodes."""
+    """Return the full names of the endpoints' nodes, sorted, without duplicates or hidden nodes."""
     names = {full_name(info.node_name, info.node_namespace) for info in infos}
     return tuple(sorted(escape_name(name) for name in names if not is_hidden(name)))

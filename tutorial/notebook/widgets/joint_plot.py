@@ -18,7 +18,7 @@ from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] length of the time axis
 DRAW_EVERY = 0.1  # [s] minimum time between drawings
-SHARE = 0.1  # the largest share of the main thread's time spent on drawing
+SHARE = 0.1  # the largest fraction of the main thread's time to spend on drawing
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad]; larger positions, such as infinity, are not drawn

@@ -89,7 +89,7 @@ class Recorder:
         self.close()
 
     def hears(self, topic: str) -> bool:
-        """Return whether the recorder has discovered a topic's publisher: it records every later message."""
+        """Return whether the recorder has discovered a topic's publisher. If so, it records every later message."""
         subscription = self._subscriptions.get(topic)
         return subscription is not None and subscription.get_publisher_count() > 0
 
@@ -100,7 +100,7 @@ class Recorder:
 
     @property
     def duration(self) -> float:
-        """Time from the first message to the last one that is written [s]."""
+        """Time from the first message to the last one written [s]."""
         return self._writer.duration
 
     def close(self) -> None:
@@ -131,7 +131,7 @@ class Recorder:
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait for messages sent before the end: until no more arrive, for at most a second.
+        """Wait until no more messages arrive that were sent before the end, for at most a second.
 
         A timer on the executor's thread checks this, because no messages arrive while that thread is busy.
         """
@@ -175,7 +175,7 @@ class Recorder:
         """Record a topic if it has a publisher.
 
         Raises:
-            TutorialError: it cannot be recorded; the message is the end of a sentence.
+            TutorialError: the topic cannot be recorded; the message is the end of a sentence.
         """
         publishers = publishers_on(self._node, topic)
         if not publishers:

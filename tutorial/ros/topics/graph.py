@@ -30,7 +30,7 @@ NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, timeout: float = TIMEOUT) -> bool:
     """Wait until every discovered participant has announced its entities and the graph has stopped changing.
 
-    Other nodes of this process certainly exist, so wait for them, too: Fast DDS takes seconds to discover them. If the
+    Other nodes of this process certainly exist, so also wait for them: Fast DDS takes seconds to discover them. If the
     wait times out, log a warning.
 
     Args:

@@ -44,7 +44,7 @@ async def topic_echo(
     Args:
         node: the node that subscribes; its thread must spin.
         topic: its name; if it does not exist, wait for it briefly.
-        once: end after the first message instead of continuing forever.
+        once: stop after the first message instead of continuing forever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show only the type and length of each array.
         timeout: maximum wait for each message [s]; None to wait forever.
@@ -72,7 +72,7 @@ async def topic_hz(
 ) -> AsyncGenerator[str, None]:
     """Measure the rate of a topic's messages forever, like ``ros2 topic hz``.
 
-    Yield nothing while no messages arrive, and start again when simulated time jumps back.
+    Yield nothing while no messages arrive, and start again when simulated time jumps backwards.
 
     Args:
         node: the node that subscribes; its thread must spin. If it uses simulated time, intervals are measured in it.

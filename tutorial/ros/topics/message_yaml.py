@@ -32,7 +32,7 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
         no_arr: write only the type and length of each array.
 
     Returns:
-        Lines; the last one ends in a line break, too.
+        Lines, all of which end in a line break, even the last one.
     """
     plain = _plain(message, no_arr)
     text = yaml.dump(

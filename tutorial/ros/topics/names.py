@@ -103,7 +103,7 @@ def message_class(type_name: str) -> Any:
 
 
 def _has_messages(package: str) -> bool:
-    """Return whether a package has messages, without importing it, which would run code under any name."""
+    """Return whether a package has messages, without importing it: a package of any name could run code."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False
