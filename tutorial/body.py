@@ -112,7 +112,7 @@ class Joint:
 
 
 class Actuator:
-    """An actuator of a body that is not a joint's motor, such as a track.
+    """An actuator of a body, other than a joint's motor, such as a track.
 
     Attributes:
         name: without the body's prefix.
@@ -350,8 +350,8 @@ class Body:
         """Call the observers, so that the view shows the change.
 
         Args:
-            report: the joints that the message could move, and its faults; None for a change without a message. The
-                body only passes it on, because a controller does not know the observers.
+            report: which joints the message moved, and the message's faults; None for a change without a message. The
+                body only passes the report on, because a controller does not know the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):

@@ -96,7 +96,7 @@ def describe_error(error: BaseException, file: str) -> str:
 
 
 def where(thread: threading.Thread, file: str = "") -> str:
-    """Return the line that a thread is executing, to end a message about a thread that does not return.
+    """Return the end of a message about a thread that does not return: the line that it is executing.
 
     Args:
         thread: the thread.

@@ -72,7 +72,7 @@ class NameList(NamedTuple):
 
     @classmethod
     def of(cls, names: Sequence[str]) -> NameList:
-        """Count the names and keep the first few, each cut off after 40 characters."""
+        """Count the names and keep the first few, each truncated to 40 characters."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
@@ -177,7 +177,7 @@ class JointMatcher:
         return self._judge(message, stamp_ns)
 
     def _judge(self, message: JointState, stamp_ns: int) -> tuple[dict[str, float], JointReport]:
-        """Match a message that no shortcut fits, and decide which of its joints it moves."""
+        """Match a message that no shortcut applies to, and decide which of its joints it moves."""
         positions, report = match_joints(self._ranges, message)
         if not positions:
             return {}, report
@@ -212,8 +212,8 @@ class _Publishers:
 
     If there are as many separate sets of joints as publishers, no joint is shared, unless one keeps jumping back and
     forth. Otherwise a message comes from a rival if it is older than the last one, more than 10 s newer, or makes a
-    joint jump. Once a single rival's position of the joint is known, only a jump to it counts. Publishers that agree
-    are all shown.
+    joint jump. Once a single rival's position of the joint is known, only a jump to that position counts. Publishers
+    that agree are all shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:

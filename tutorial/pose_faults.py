@@ -33,7 +33,9 @@ def fault_of(message: JointState | TransformStamped) -> str:
 
 
 class Tally:
-    """Counts the messages that a viewer shows and leaves out. Logs the count every five seconds, except at the start.
+    """Counts the messages that a viewer shows, and those that it leaves out.
+
+    Logs the counts every five seconds, except at the start.
 
     Args:
         name: the body's name.

@@ -172,7 +172,7 @@ class Simulation:
 
         Raises:
             ControllerError: one of its controllers has never returned.
-            TutorialError: it is running already.
+            TutorialError: it is already running.
         """
         with self._turn("start()"):
             self._check_idle("the simulation is running already. Call stop() first.")
@@ -251,7 +251,7 @@ class Simulation:
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
-        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, let its end do that."""
+        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, leave that to its end."""
         with self._state_lock:
             if error is not None and not run.abandoned:
                 self.error = error

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Done = dict[Path, dict[str, Judged]]
 
-TOGETHER = 2  # number of notebooks that are judged at a time
+TOGETHER = 2  # maximum number of notebooks that are judged at the same time
 LIMIT = 60.0  # [s] time limit for each answer
 
 

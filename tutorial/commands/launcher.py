@@ -114,7 +114,7 @@ class Launcher:
         self._stop.set()
 
     def _start(self, name: str, process: ExecuteProcess) -> None:
-        """Start a process, and a thread that follows it."""
+        """Start a process, and a thread that reads its output."""
         command = [str(word) for word in process.cmd]
         try:
             environment = os.environ if process.env is None else process.env

@@ -36,7 +36,7 @@ class TankController(SimpleController):
         self.barrel = AimedJoint(io.body.joint("TURRET_P"), io.time_step)
 
     def control(self) -> None:  # simulation thread, every step
-        """Turn the sticks into track speeds [m/s] and joint torques [N.m]."""
+        """Convert stick positions to track speeds [m/s] and joint torques [N.m]."""
         left_x, left_y, right_x, right_y = sticks(self.joy.get())
 
         # forward at full stick is 2 m/s; full stick sideways makes one track 1 m/s slower and the other 1 m/s faster

@@ -81,7 +81,7 @@ class _Writer:
         return f'<?xml version="1.0"?>\n{text.decode("ascii")}\n'
 
     def _add_body(self, number: int) -> None:
-        """Add a body's link, and the joints to its parent's link."""
+        """Add a body's link, and the joints that connect it to its parent's link."""
         place = self._place(number)
         if place is None:
             self.moves_otherwise["bodies that move freely relative to the root"] += 1

@@ -34,7 +34,7 @@ _log = logging.getLogger(__name__)
 
 
 class Host(AbstractAsyncContextManager["Host"]):
-    """A program that runs a project: it simulates, or only displays, if the project has no simulator.
+    """A program that runs a project: it simulates or, if the project has no simulator, only displays.
 
     It belongs to the thread that makes it, the main thread, whose event loop must be running. Use ``async with
     Host(project)`` in a notebook's cell, or in a coroutine that a script passes to `asyncio.run`.

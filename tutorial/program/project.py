@@ -107,7 +107,7 @@ class Project:
 
         Raises:
             TutorialError: no body or more than one has controllers, the model cannot be loaded, or a body cannot have
-                its name.
+                the file's name.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:

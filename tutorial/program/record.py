@@ -1,4 +1,4 @@
-"""The record of a run: one JSON file for each process. The demo makes its table from them."""
+"""The record of a run: one JSON file for each process. The demo builds its table from them."""
 
 import json
 from collections import Counter, defaultdict

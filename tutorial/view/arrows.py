@@ -12,13 +12,13 @@ from tutorial.description.poses import Matrix, pose
 from tutorial.view.shapes import draw_arrow
 
 LONGEST = 1.0
-"""Length limit of arrows [m], whatever is published."""
+"""Maximum length of an arrow [m], whatever is published."""
 
 LARGEST = 1e6
 """Measured values are clamped to this magnitude, to keep the table narrow."""
 
 SMOOTHNESS = 0.7
-"""The fraction of the difference between the shown and measured vectors that is left after each frame."""
+"""The fraction of the difference between the shown and measured vectors that remains after each frame."""
 
 UNSEEN = 1e-3
 """The scale of a hidden arrow. It is not 0, because the matrix has to be invertible."""

@@ -166,7 +166,7 @@ class CameraRenderer:
             return self._at_work
 
     def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
-        """Deliver a picture. In lockstep the caller raises the receiver's error; otherwise the first one is logged."""
+        """Deliver a picture. In lockstep, the caller raises the receiver's error; otherwise, the first one is logged."""
         try:
             request.deliver(pixels, *request.args)
         except BaseException as error:  # noqa: BLE001 - the other cameras continue

@@ -22,7 +22,7 @@ from tutorial.handoff import ThreadGuard
 logger = logging.getLogger(__name__)
 
 LINE_LENGTH = 200
-"""The largest number of characters in the line below the view."""
+"""The maximum number of characters in the line below the view."""
 
 Sink = Callable[[bytes], None]
 Vector = tuple[float, float, float]
@@ -123,7 +123,7 @@ class Scene:
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
         """Write one line below the view, and a small table below that. If both are empty, nothing is shown.
 
-        They are shown as text, never as HTML. White space is collapsed, and strings longer than `LINE_LENGTH` are cut.
+        Both are shown as text, never as HTML. White space is collapsed, and strings are truncated to `LINE_LENGTH`.
 
         Args:
             text: the text of the line.

@@ -148,7 +148,7 @@ class _Browser(WebSocketHandler):
         self.scene.detach(self.show)
 
     def show(self, message: bytes) -> None:
-        """Send a frame. If an earlier one is still being sent, send the whole scene after that instead."""
+        """Send a frame. If an earlier frame is still being sent, send the whole scene after it instead."""
         if self._stream.writing():
             self.is_behind = True
         else:

@@ -90,7 +90,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             *(sandbox(folder) if is_sandboxed else ()),
             *(sys.executable, "-P", "-m", "tutorial.commands.checking._child"),
             *map(str, (file.fileno(), math.ceil(OUTLAST * limit), is_sandboxed, *exercise)),
-            stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process is gone
+            stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process has exited
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
             limit=1 << 16,  # bytes per message

@@ -144,7 +144,7 @@ def _project_for(name: str) -> Project:
     """Find the course's first project that has a controller of this name.
 
     Raises:
-        TutorialError: no project has one.
+        TutorialError: no project has such a controller.
     """
     known: set[str] = set()
     for path in sorted((HOME / "project").glob("step*.yaml"), key=lambda path: (len(path.stem), path.stem)):

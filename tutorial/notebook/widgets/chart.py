@@ -100,7 +100,7 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
     Args:
         root: the picture.
         x_range: the smallest and the largest x.
-        most: the largest number of lines.
+        most: the maximum number of lines.
         across: the horizontal positions of the smallest and the largest x [px].
         down: the vertical positions of the lines' ends [px].
         label: the axis label.
@@ -134,7 +134,7 @@ def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
     Args:
         low: the lower bound.
         high: the upper bound.
-        most: the largest number of intervals.
+        most: the maximum number of intervals.
 
     Returns:
         The distance between ticks, and the ticks.

@@ -77,7 +77,7 @@ class FrameWidget(CellWidget):
         return True
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
-        """Handle a page's message. It can arrive on any thread, so this posts work for the main thread."""
+        """Handle a page's message. It can arrive on any thread, so this method posts work for the main thread."""
         CellWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):

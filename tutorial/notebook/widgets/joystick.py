@@ -50,7 +50,7 @@ class Joystick(NodeWidget):
         return self._now().axes
 
     def end(self) -> None:
-        """Release the sticks, publish that, and destroy the node. Idempotent; main thread only."""
+        """Release the sticks, publish their neutral state, and destroy the node. Idempotent; main thread only."""
         if not self.ended:
             self.ended = True
             self._publish()

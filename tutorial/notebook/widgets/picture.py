@@ -8,7 +8,7 @@ from tutorial.view.assets import read_static
 
 
 class Picture(CellWidget):
-    """Shows an SVG in a cell, and replaces it with every later one.
+    """Shows an SVG in a cell, and replaces it with each later one.
 
     Only shapes and text reach the page: scripts, links and everything else are removed.
 

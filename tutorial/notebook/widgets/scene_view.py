@@ -9,7 +9,7 @@ class SceneView(FrameWidget):
     """Shows a scene in any number of cells, on every page that has the notebook open.
 
     Create it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when
-    that thread is free; a page that already shows the scene receives what a busy cell flushes at once.
+    that thread is free; a page that already shows the scene receives at once what a busy cell flushes.
 
     Args:
         scene: the scene to show.
@@ -45,7 +45,7 @@ class SceneView(FrameWidget):
             self.scene.detach(self._show)
 
     def end(self) -> None:
-        """Stop following the scene. All pages, even if they are opened later, show its last picture. Idempotent.
+        """Stop following the scene. All pages, even those opened later, show its last picture. Idempotent.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

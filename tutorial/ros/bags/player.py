@@ -174,7 +174,7 @@ class Player:
         return playable
 
     def _full_name(self, topic: str) -> str:
-        """Return the full name of a topic in the bag; as in ros2 bag, a relative name is in the node's namespace.
+        """Return the full name of a topic in the bag. Like ros2 bag, resolve a relative name in the node's namespace.
 
         Raises:
             TutorialError: the name breaks the naming rules.

@@ -131,7 +131,7 @@ class Recorder:
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait until no more messages arrive that were sent before the end, for at most a second.
+        """Wait for messages that were sent before the end, until no more arrive, for at most one second.
 
         A timer on the executor's thread checks this, because no messages arrive while that thread is busy.
         """

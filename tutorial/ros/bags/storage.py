@@ -1,4 +1,4 @@
-"""Types and limits that MCAP and SQLite files, the two kinds of bag files, share."""
+"""Types and limits shared by the two kinds of bag files, MCAP and SQLite."""
 
 from dataclasses import dataclass
 from typing import Any

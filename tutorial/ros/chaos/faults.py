@@ -1,4 +1,4 @@
-"""Put faults into a stream of joint states, without threads, clocks or ROS 2.
+"""Inject faults into a stream of joint states, without threads, clocks or ROS 2.
 
 Each fault has its own random numbers, so the same seed gives the same stream, and the messages that a fault affects do
 not depend on which other faults are active.
@@ -70,7 +70,7 @@ class Action(NamedTuple):
 
 
 class Chaos:
-    """Puts faults into a stream of joint states.
+    """Injects faults into a stream of joint states.
 
     Args:
         faults: the share of messages that each fault affects, 0 to 1, by name. Several can affect the same message.
@@ -90,7 +90,7 @@ class Chaos:
         self._began_ns = 0  # the good stream's stamp at the last restart, published as 0
 
     def apply(self, message: Any) -> list[Action]:
-        """Put faults into the next message.
+        """Inject faults into the next message.
 
         Args:
             message: a good `sensor_msgs/JointState`, which is not changed.
@@ -175,7 +175,7 @@ def _at_zero(message: Any) -> Any:
     return still
 
 
-# Functions that change the content of a message. It has at least one name, and as many positions as names.
+# Functions that change the content of a message, which has at least one name, and as many positions as names.
 
 
 def _reorder(message: Any, order: list[int]) -> None:

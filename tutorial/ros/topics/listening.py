@@ -39,7 +39,7 @@ async def topic_echo(
 ) -> AsyncGenerator[str, None]:
     """Yield the messages of a topic as text, like ``ros2 topic echo``.
 
-    The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling.
+    The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling the task.
 
     Args:
         node: the node that subscribes; its thread must spin.

@@ -23,7 +23,7 @@ ARRAYS = (list, tuple, array, np.ndarray)
 def message_to_yaml(message: Any, no_arr: bool = False) -> str:
     """Write a message as YAML, with its fields in order.
 
-    An array or a string is cut after 128 elements or characters, and ``...`` is added. A string of visible characters
+    An array or string is truncated to 128 elements or characters, and ``...`` is added. A string of visible characters
     and line breaks is written as ``ros2`` writes it. Any other string is in double quotes, where the escapes of
     `tutorial.errors.printable` are valid YAML: a YAML parser returns the same string.
 

@@ -31,7 +31,7 @@ def full_name(name: str, namespace: str) -> str:
 
 
 def escape_name(name: str) -> str:
-    """Return a name that is safe to print: cut after ROS 2's maximum length, with escapes for invisible characters.
+    """Return a name that is safe to print: truncated to ROS 2's maximum length, with invisible characters escaped.
 
     Args:
         name: the name of a node, a topic or a type, from any program.
@@ -103,7 +103,7 @@ def message_class(type_name: str) -> Any:
 
 
 def _has_messages(package: str) -> bool:
-    """Return whether a package has messages, without importing it: a package of any name could run code."""
+    """Return whether a package has messages, without importing it, because that would run any package's code."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

@@ -1,4 +1,4 @@
-"""Fill a message with the values that a user wrote, with the checks of ``ros2 topic pub``."""
+"""Fill a message with the values that a user wrote, and check them as ``ros2 topic pub`` does."""
 
 import re
 from array import array
