@@ -40,8 +40,8 @@ class Simulation:
     """A world of simulated bodies and their controllers, and the thread that steps it.
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
-    `stop`. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is initialized
-    with. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
+    `stop` is called. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is
+    initialized with. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
 
     Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
     a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:

@@ -1,8 +1,8 @@
 """A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and other programs read.
 
-The links are the model's bodies, in the same places. The movable joints are the joints in joint states. Names are as in
-the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is renamed if a
-joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
+The links are the model's bodies, in the same places. The movable joints are the joints in joint states. Names are the
+same as in the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is
+renamed if a joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
 """
 
 import logging

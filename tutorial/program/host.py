@@ -78,7 +78,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             view.scene.catch_up = self._draw
         try:
             clock: list[tuple[str, SimpleController]] = [("", ClockPublisher(self.node))] if project.clock else []
-            for entry in project.bodies:  # from now on, messages arrive; the calls that they post wait for the loop
+            for entry in project.bodies:  # messages arrive from now on; their posted calls wait for the event loop
                 self._add(entry, simulates=project.time_step is not None)
             # Zoom in on the bodies, unless there are several and one of them, such as a laboratory, has no controllers.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
@@ -233,7 +233,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         return self._snapshot_time if self.simulation is not None else time.monotonic()
 
     def joint_positions(self) -> dict[str, float]:
-        """Return the positions of the displayed joints, by ``"body joint"`` [rad, or m for slide joints]."""
+        """Return the positions of the displayed joints [rad, or m for slide joints], keyed by ``"body joint"``."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
 
     def record(self) -> dict[str, Any]:

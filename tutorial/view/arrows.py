@@ -83,8 +83,8 @@ class Arrow:
     def aim(self, data: mujoco.MjData) -> None:
         """Aim at the measured vector, from the sensor's current position.
 
-        Three zeros count as no measurement, because an accelerometer at rest measures 9.8. If a number is not finite,
-        there is no arrow.
+        Three zeros count as no measurement, because an accelerometer at rest measures 9.8. No arrow is
+        drawn if a number is not finite.
         """
         self._measured = data.sensordata[self._adr : self._adr + 3].copy()
         self._origin = data.site_xpos[self._site] + (0.0, 0.0, self._style.offset)
@@ -95,7 +95,7 @@ class Arrow:
             self._target = np.zeros(3)
 
     def step(self) -> Iterator[dict[str, Any]]:
-        """Move the arrow towards its target by one frame; yield the commands that draw it, if it has changed.
+        """Move the arrow one frame closer to its target; yield the commands that draw it, if it has changed.
 
         The arrow is added to the scene when it becomes visible for the first time.
         """

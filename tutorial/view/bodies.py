@@ -79,7 +79,7 @@ class View:
         """Draw all MuJoCo bodies of a model in their initial poses.
 
         Args:
-            name: a new name for `update` and `remove`, without a slash.
+            name: an unused name, without a slash, to pass to `update` and `remove`.
             model: the model. Its geoms in groups 0 to 2 are drawn.
 
         Raises:

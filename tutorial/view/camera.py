@@ -46,7 +46,7 @@ class Camera:
         replaces one that has not been rendered yet.
 
         Call it on the thread that steps the simulation. If that thread also made the renderer (lockstep), this call
-        waits until the picture has been delivered, so that none is lost, and raises what ``deliver`` raises.
+        waits until the picture has been delivered, so that none is lost, and raises any exception from ``deliver``.
 
         Raises:
             TutorialError: in lockstep, the picture did not arrive in time.
@@ -166,7 +166,7 @@ class CameraRenderer:
             return self._at_work
 
     def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
-        """Deliver a picture. In lockstep, the caller raises the receiver's error; otherwise, the first one is logged."""
+        """Deliver a picture. In lockstep, the caller raises the receiver's error; otherwise, log the first error."""
         try:
             request.deliver(pixels, *request.args)
         except BaseException as error:  # noqa: BLE001 - the other cameras continue

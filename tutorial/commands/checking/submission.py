@@ -68,7 +68,7 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
-    """Judge one answer; the verdict reports an answer that takes too long, or ends or disturbs its process."""
+    """Judge one answer; the verdict reports an answer that takes too long, or that ends or disturbs its process."""
     try:
         return await _told(Judged, path, limit, is_sandboxed, exercise)
     except (EOFError, TimeoutError, ValueError, RecursionError) as error:
