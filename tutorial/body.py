@@ -326,7 +326,7 @@ class Body:
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
 
-        A coupled joint follows until a call names it. Joints that are neither named nor coupled do not move.
+        A coupled joint follows its leader until a call names it. Joints that are neither named nor coupled do not move.
 
         Args:
             positions: the positions [rad or m] by joint name.

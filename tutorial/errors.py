@@ -46,7 +46,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 
 
 def printable(text: str) -> str:
-    """Escape every invisible character in text from outside, so that a terminal can print it safely.
+    """Escape every invisible character in untrusted text, so that a terminal can print it safely.
 
     These are control characters, which a terminal would interpret, characters that reverse the direction of writing,
     line breaks and lone surrogates.
@@ -64,7 +64,7 @@ def printable(text: str) -> str:
 def printable_lines(text: str) -> str:
     """Escape invisible characters as `printable` does, but keep line breaks and tabs.
 
-    Pass each part from outside through `printable` before you insert it; otherwise, it could add lines.
+    Pass each untrusted part through `printable` before you insert it; otherwise, it could add lines.
     """
     return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 

@@ -184,7 +184,7 @@ class Simulation:
     def stop(self) -> None:
         """End the run and stop the controllers. The world keeps its state. Idempotent.
 
-        The thread of a controller that does not return lives until the process ends; `error` names its current line.
+        The thread of a controller that does not return runs until the process ends; `error` names its current line.
         """
         with self._turn("stop()"):
             self._step_run.stopping.set()

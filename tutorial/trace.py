@@ -79,7 +79,7 @@ class Handoff:
 class HandoffTrace:
     """The newest handoffs of a program. Any thread can use it.
 
-    Give it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
+    Pass it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
         capacity: how many handoffs to keep; the oldest are dropped.

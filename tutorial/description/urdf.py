@@ -37,8 +37,8 @@ def robot_description(body: Body) -> str:
 
     Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing from joint states
     are fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with
-    a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts all of
-    these. If the description moves differently from the robot, a warning is also logged.
+    a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts
+    these differences. If the description moves differently from the robot, a warning is also logged.
 
     Args:
         body: a displayed body, whose model contains nothing else.

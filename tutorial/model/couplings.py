@@ -57,7 +57,7 @@ class Coupling(NamedTuple):
 class Followers:
     """Moves the joints of a displayed body that are coupled to other joints.
 
-    A joint follows its leader until a position is set by its name: a publisher that names it knows its position.
+    A joint follows its leader until its own position is set by name: a publisher that names it knows its position.
 
     Args:
         model: the model.

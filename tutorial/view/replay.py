@@ -149,7 +149,7 @@ def recorded(
     joints: Callable[[], Mapping[str, float]] = dict,
     longest_pause: float = math.inf,
 ) -> Iterator[None]:
-    """Record what a scene shows during a ``with`` block as a page.
+    """Record what a scene shows during a ``with`` block, and write it as a page.
 
     Args:
         scene: the scene to record.

@@ -99,7 +99,7 @@ class Scene:
 
     @property
     def watched(self) -> bool:
-        """Whether a sink is attached. Without one nothing needs to be drawn, because `snapshot` catches up."""
+        """Whether a sink is attached. Without one, nothing needs to be drawn, because `snapshot` catches up."""
         return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:

@@ -62,7 +62,7 @@ class FrameWidget(CellWidget):
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> bool:
-        """Send a frame if any view keeps up, and return whether one does. Main thread only.
+        """Send a frame if any view keeps up, and return whether any does. Main thread only.
 
         Args:
             content: the binary content.
