@@ -18,7 +18,7 @@ function hasCard(gl) {
 
 /**
  * Make a meshcat viewer in an element, which draws when something has changed. Without a graphics card, it saves two
- * thirds of the processor time for the simulation and the page: no shadows, no antialiasing, ten pictures a second.
+ * thirds of the CPU time for the simulation and the page: no shadows, no antialiasing, ten pictures a second.
  * isSeen: returns whether the viewer is visible. Returns the viewer, and a function that disposes of it.
  */
 export function makeViewer(element, isSeen = () => true) {

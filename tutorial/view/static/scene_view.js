@@ -21,7 +21,7 @@ class CellView extends FrameView {
     const {model} = this;
     this.frame = make("div", "tank-view-frame");
     this.pane = makePane(model.get("title"));
-    this.pane.style.height = "clamp(240px, 40vh, 420px)";  // so that the code that moves it is visible, too
+    this.pane.style.height = "clamp(240px, 40vh, 420px)";  // so that the code that moves it is also visible
     this.curtain = make("div", "tank-view-curtain", {role: "status"});
     this.curtain.append(make("strong", ""), make("span", ""));
     this.line = make("div", "tank-view-line");
