@@ -14,7 +14,7 @@ from pathlib import Path
 from tutorial.errors import TutorialError, did_you_mean
 
 COURSE = ("launch_py", "notebooks", "project")
-"""The folders that make a folder a course folder."""
+"""A folder that contains these folders is a course folder."""
 
 ROOT = 0  # the user
 

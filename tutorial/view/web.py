@@ -24,7 +24,7 @@ from tutorial.view.scene import Scene
 
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
-"""The server uses the first free port of these."""
+"""The server uses the first free port in this range."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
@@ -37,10 +37,10 @@ BACKLOG = 1 << 18
 
 OWN_HOSTS = r"127\.0\.0\.1|localhost"
 """The host names that this server answers to. A foreign page whose own name resolves to this machine (DNS rebinding)
-gets "not found". A foreign page that uses the right name has a different origin, and is refused the socket."""
+gets "not found". A foreign page that uses the right name has a different origin, so its WebSocket is refused."""
 
 LARGEST_BODY = 1024
-"""The size limit of a request's body [bytes]; no request needs one."""
+"""The size limit of a request's body [bytes]; no request needs a body."""
 
 
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
