@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Coroutine, Iterator, Mapping
 from contextlib import ExitStack, closing
+from math import nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -154,9 +155,13 @@ FAULTS = {
     "late": (once(String, "/description"), once_volatile),
     "clock": (pair({"args": SIM_TIME}, {}), clock_stands),
     "silent": (pair({"rate": 0}, {}), blocked),
-    "dropped": (
+    "unknown": (
         pair({"make": lambda number: swing(number, ["TURET_Y", "barrel"])}, {}),
+        pair({"make": lambda number: swing(number, ["Tank/TURRET_Y", "Tank/TURRET_P"])}, {}),
+    ),
+    "dropped": (
         pair({"make": backwards}, {}),
+        pair({"make": lambda number: JointState(name=["TURRET_Y"], position=[nan])}, {}),
     ),
 }
 
