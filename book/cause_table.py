@@ -13,11 +13,11 @@ CODE = re.compile(r"(rclpy\.spin\(node\)|/clock|\b(?:[A-Za-z]+_\w+|RELIABLE|VOLA
 """Names from code in the rules' texts."""
 
 SIGNS = {
-    "python": "`python3 -c 'import rclpy'` ends with an error.",
+    "python": "`python3 -c 'import rclpy'` raises an error.",
     "loopback": "`ip link show lo` shows `state DOWN`.",
-    "participants": "The program ends at its start: `Failed to find a free participant index for domain 0`.",
+    "participants": "The program exits as it starts: `Failed to find a free participant index for domain 0`.",
     "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` says `Publisher count: 0`.",
-    "domain": "`ros2 topic list` lacks the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` has it.",
+    "domain": "`ros2 topic list` does not show the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` does.",
     "type": "`ros2 topic info TOPIC` lists two types.",
     "hash": "`ros2 topic info -v TOPIC` shows two values of `Topic type hash`.",
     "reliability": "The log says `offering incompatible QoS` and `RELIABILITY`.",

@@ -303,7 +303,7 @@ async def test_a_simulating_program_shows_its_copy(step2):
 
 
 class Poser(SimpleController):
-    """Publishes a message with a position that is not a joint state, and wants to end the program when it leaves."""
+    """Publishes a message with a position that is not a joint state, and tries to exit the program when it leaves."""
 
     def configure(self, config):
         config.node.create_publisher(Pose, "pose", 1).publish(Pose())

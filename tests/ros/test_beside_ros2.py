@@ -51,7 +51,7 @@ class Beside:
     environment: dict[str, str]
 
     def run(self, *command: str) -> subprocess.CompletedProcess:
-        """Run a command that ends by itself."""
+        """Run a command that exits on its own."""
         alone = self.ros2[-1] == "ros2" and command[0] != "bag" and command[1] in ("list", "info")
         arguments = [*self.ros2, *command, *["--no-daemon"] * alone]
         return subprocess.run(
@@ -70,7 +70,7 @@ class Beside:
 
     @contextmanager
     def going_on(self, *command: str) -> Iterator[subprocess.Popen]:
-        """Run a command in the background, and end it and its parent with Ctrl-C."""
+        """Run a command in the background, and stop its process group with Ctrl-C."""
         arguments, pipe = [*self.ros2, *command], subprocess.PIPE
         process = subprocess.Popen(arguments, env=self.environment, stdout=pipe, text=True, start_new_session=True)
         try:
@@ -88,7 +88,7 @@ class Beside:
         return dict(zip(message["name"], message["position"], strict=True))
 
     def clear(self) -> None:
-        """End everything that still runs, including the daemon of ``ros2``."""
+        """Stop everything that is still running, including the daemon of ``ros2``."""
         if self.simulation.poll() is None:
             os.killpg(self.simulation.pid, signal.SIGTERM)
         self.simulation.communicate(timeout=TIMEOUT)
@@ -103,7 +103,7 @@ def rmw(request):
 
 @contextmanager
 def running(rmw: str, simulation: list[str], ros2: list[str], stdout: int = subprocess.DEVNULL, **variables: str):
-    """Run a simulation in a separate domain, and end all of it."""
+    """Run a simulation in a separate domain, and stop all its processes."""
     with reserved_domain() as domain:
         environment = {**os.environ, **variables, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
         process = subprocess.Popen(simulation, env=environment, stdout=stdout, text=True, start_new_session=True)

@@ -74,7 +74,7 @@ HEIGHT = """([first, said]) => {
     const line = words.find((word) => word.textContent.startsWith("What you should see"));
     return [line.getBoundingClientRect().bottom - top, panel.clientHeight];
 }"""
-"""From the top of the last widgets in these cells to the line that says what to see, and of the screen [px]."""
+"""The height from the top of the last widgets in these cells to the line that says what to see; the screen's [px]."""
 
 
 @dataclass
@@ -129,7 +129,7 @@ class Learner:
 
     @property
     def missed(self) -> list[str]:
-        """What happened off the screen, a line each."""
+        """What happened off the screen, one line each."""
         return [*self._missed, *(line for name in self._moved for line in self._lines(name))]
 
     def _lines(self, name: str) -> list[str]:

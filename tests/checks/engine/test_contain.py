@@ -34,7 +34,7 @@ def _judges(process):
 
 
 def said_about(answer):
-    """Return the output of a check, and make sure that its process is gone."""
+    """Return the output of a check, and make sure that its process has ended."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
         asyncio.run(drive.check(answer))
     assert not children()
@@ -199,7 +199,7 @@ TEXT = "Do.\n\nDo it.\n\nHint 1: Look.\n\nNotice it."
 
 class Dozing(Exercise):
     def findings(self, answer, instruments):
-        """Judge for ever."""
+        """Judge forever."""
         while True:
             time.sleep(0.1)
             yield right("still")

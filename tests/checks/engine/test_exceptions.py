@@ -46,4 +46,4 @@ def test_pythons_messages_are_understood(sentence):
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)
     del info
-    gc.collect()  # the real rclpy's spin_once leaves a half-made executor, which warns when it is collected
+    gc.collect()  # the real rclpy's spin_once leaves a half-initialized executor, which warns when it is collected

@@ -37,7 +37,7 @@ def shown(sent):
 
 
 def requested(node):
-    """Return the reliability that each subscription asks for."""
+    """Return the reliability that each subscription requests."""
     return [info.qos_profile.reliability for info in node.get_subscriptions_info_by_topic(TOPIC)]
 
 

@@ -55,7 +55,7 @@ class Graph:
             return self._stack.enter_context(NodeThread(name, args)).node
 
     def publish(self, kind=JointState, topic=TOPIC, qos=10, rate=20.0, make=None, args=()) -> Any:
-        """Publish at a rate [Hz]; 0 never."""
+        """Publish at a rate [Hz]; 0 means never."""
         node = self.node(f"tank{len(NodeThread.alive)}", *args)
         publisher = node.create_publisher(kind, topic, qos)
         numbers = iter(range(10**6))
@@ -82,7 +82,7 @@ def graph() -> Iterator[Graph]:
 
 
 def facts_of_each(faults: Mapping[Any, Callable[[Graph], str]]) -> dict[Any, Facts]:
-    """Seed each fault in a domain of its own, and let the doctor look at all of them at the same time."""
+    """Seed each fault in a domain of its own, and let the doctor examine them all at the same time."""
 
     async def look(asked: list[Coroutine[Any, Any, Facts]]) -> list[Facts]:
         return await asyncio.gather(*asked)
@@ -128,7 +128,7 @@ def clock_stands(graph: Graph) -> str:
 
 
 def blocked(graph: Graph) -> str:
-    """A callback that does not return keeps the timer of the same node from publishing."""
+    """Block the publishing timer by a callback that does not return."""
     graph.publish(make=lambda _: JointState(name=[str(graph.ended.wait(60))]))
     return TOPIC
 

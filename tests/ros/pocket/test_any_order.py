@@ -1,7 +1,7 @@
 """Starting, spinning, destroying and shutting down in any order, from several threads at once.
 
-Whatever the order, the only result is rclpy's exception or none: never a different exception, a hang, a crash when the
-interpreter ends, or a thread that stays.
+Whatever the order, each call succeeds or raises rclpy's exception. There must be no other exception, no hang, no crash
+when the interpreter exits, and no thread that is left running.
 """
 
 import pytest

@@ -210,7 +210,7 @@ def test_an_interrupt_is_raised_and_does_not_crash(start, rounds, seconds, turns
 
 @pytest.mark.pocket
 def test_shutdown_reads_no_freed_memory(start, monkeypatch):
-    monkeypatch.setenv("MALLOC_MMAP_THRESHOLD_", "1")  # glibc unmaps what is freed, so reading it is a crash
+    monkeypatch.setenv("MALLOC_MMAP_THRESHOLD_", "1")  # glibc unmaps freed memory, so reading it crashes
     monkeypatch.setenv("MALLOC_MMAP_MAX_", "60000")
     process = start("""
 import rclpy
@@ -229,7 +229,7 @@ rclpy.shutdown()
 
 
 def test_log_configuration(start):
-    """It needs a new process, because a real ROS 2 configures its logs once per process, and fails only then."""
+    """Use a new process: a real ROS 2 configures its logging only once per process, and can fail only then."""
     process = start("""
 from rclpy.context import Context
 context = Context()

@@ -31,7 +31,7 @@ JOINT_STATE = "/Tank/joint_state"
 
 @pytest.fixture
 def asker(domain: int) -> Iterator[MeteredNode]:
-    """The node that asks, hidden like that of ``ros2``."""
+    """The node that runs the commands, hidden like the one of ``ros2``."""
     with NodeThread("_asker") as thread:
         yield thread.node
 
@@ -50,7 +50,7 @@ def refusal(texts) -> str:
 
 @pytest.fixture
 def met(asker) -> Iterator[MeteredNode]:
-    """The node that asks, beside the recorded nodes; it must have destroyed its subscriptions at the end."""
+    """The same node, beside the recorded nodes. At the end, it must have destroyed its subscriptions."""
     with recorded_nodes():
         yield asker
     assert not list(asker.subscriptions)
@@ -74,7 +74,7 @@ class TestEcho:
         assert "Invalid field 'header.positions': 'Header' object has no attribute" in said
 
     def test_two_types_on_one_topic(self, asker):
-        with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS allows each only one type
+        with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS allows only one type for each
             one.node.create_publisher(String, "/both", 1)
             other.node.create_publisher(Joy, "/both", 1)
             assert refusal(topic_echo(asker, "/both")) == (

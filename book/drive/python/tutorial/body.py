@@ -43,7 +43,7 @@ class State:
         self._mujoco.mj_kinematics(self.model, self.data)
 
     def reset(self) -> None:
-        """Go back to the initial pose."""
+        """Return to the initial pose."""
         self._mujoco.mj_resetData(self.model, self.data)
         self._mujoco.mj_forward(self.model, self.data)
         self.look_up()

@@ -12,13 +12,13 @@ from pathlib import Path
 __all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
-"""The folder that is added to Python's path. Its packages can be found only there, so they hide no real packages."""
+"""The folder to add to Python's path. Until then, its packages cannot be imported, so they hide no real packages."""
 
 
 def install(*, first: bool = False) -> bool:
     """Make ``import rclpy``, ``import launch`` and the messages work where there is no real rclpy.
 
-    A real rclpy that is broken raises its own error on import, instead of being hidden.
+    A broken real rclpy is not hidden: importing it raises its own error.
 
     Args:
         first: hide a real rclpy, if there is one. Call this before importing anything from ROS 2.

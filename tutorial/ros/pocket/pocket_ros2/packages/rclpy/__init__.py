@@ -45,7 +45,7 @@ def init(
         signal_handler_options: signals that shut ROS 2 down; None means all of them if the context is the default one.
 
     Raises:
-        RuntimeError: the context has been started before.
+        RuntimeError: the context has already been started.
     """
     default = context is None or context is get_default_context()
     (context or get_default_context()).init(args, domain_id=domain_id)

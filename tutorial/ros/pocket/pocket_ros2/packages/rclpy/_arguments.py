@@ -174,7 +174,7 @@ def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def parameter_value(text: str) -> Any:
-    """Parse a parameter's value. As in rcl's YAML, ``1e3`` is a number and ``y`` a boolean.
+    """Parse a parameter's value. As in rcl's YAML, ``1e3`` is a number and ``y`` is a boolean.
 
     Raises:
         ValueError: the text is neither a scalar nor a list of scalars of one type.

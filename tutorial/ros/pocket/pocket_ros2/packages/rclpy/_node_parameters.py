@@ -102,7 +102,7 @@ class NodeParameters:
 
         Raises:
             TypeError: a tuple is too long or empty, or an element has the wrong type.
-            ParameterAlreadyDeclaredException: one has already been declared; then none of them is declared.
+            ParameterAlreadyDeclaredException: one has already been declared; in this case, none is declared.
             InvalidParameterTypeException: the command line's value is of a different type.
             InvalidParameterValueException: a descriptor or a callback rejects a value; earlier parameters stay
                 declared.
