@@ -352,7 +352,7 @@ class Unruly(SimpleController):
 
     Attributes:
         rng: chooses the method and the misbehaviour.
-        let: ends its hanging.
+        let: releases it when it hangs.
         made: all instances.
     """
 

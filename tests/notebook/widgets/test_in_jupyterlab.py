@@ -40,7 +40,7 @@ WAIT_WITHOUT_A_BREAK = """
 import time
 said = []
 stick.on_msg(lambda *_: said.append(stick.axes[1]))
-while said[-5:] != [1.0] * 5:  # the page says again and again what is held
+while said[-5:] != [1.0] * 5:  # the page keeps sending what is held
     time.sleep(0.001)
 print("driven")
 """

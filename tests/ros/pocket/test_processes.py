@@ -107,7 +107,7 @@ def test_a_forked_process_ends_or_says_how_to_get_a_node(start, in_child, status
     assert re.search(said, errors, re.DOTALL)
 
 
-@pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_for_ever()"])
+@pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_forever()"])
 def test_daemon_threads_are_silent_at_exit(start, busy):
     process = start(f"""
 import rclpy, threading, time
@@ -115,7 +115,7 @@ from std_msgs.msg import String
 rclpy.init(args=[])
 node = rclpy.create_node("x")
 publisher = node.create_publisher(String, "x", 10)
-def publish_for_ever():
+def publish_forever():
     while True:
         publisher.publish(String())
 threading.Thread(target=lambda: {busy}, daemon=True).start()

@@ -236,13 +236,13 @@ def test_it_waits_for_a_discovered_ros_2_program(asker, stranger):
 def test_it_waits_until_all_nodes_and_endpoints_are_known(asker, stranger, monkeypatch):
     monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 0.0)
 
-    async def told_in_the_meantime():
+    async def announced_in_the_meantime():
         waiting = asyncio.create_task(wait_for_graph(asker, timeout=60.0))
-        await asyncio.sleep(0)  # the first look
+        await asyncio.sleep(0)  # its first query
         stranger.announce(stranger.listing("late"))
         return await waiting
 
-    assert asyncio.run(told_in_the_meantime())
+    assert asyncio.run(announced_in_the_meantime())
     assert "late" in asker.get_node_names()
     stranger.announce(stranger.listing("late", writers=1))
     assert not settle(asker), "one of its publishers is still missing"

@@ -1,6 +1,6 @@
 """Replace Cyclone DDS in the browser: carry messages between the programs of one page.
 
-This module implements what `rclpy._transport` describes. A published message reaches the readers in the same program
+This module implements `rclpy._transport`. A published message reaches the readers in the same program
 at once, as CDR bytes, and `Wire` passes it on to the page's other programs. No message leaves the page.
 """
 
@@ -63,7 +63,7 @@ class Wire:
         return [each for participant in self.participants for each in participant.own]
 
     def endpoints(self) -> list[Info]:
-        """Describe the endpoints of all programs, those of this program first."""
+        """Describe the endpoints of all programs, starting with this one's."""
         return sum(self.others.values(), [each.info for each in self.own_endpoints()])
 
     def hear(self, program: str, described: Any) -> None:
@@ -127,7 +127,7 @@ class Endpoint:
             self._participant.wire.tell()
 
     def compare(self, everyone: list[Info]) -> None:
-        """Find its partners among all endpoints. Record new misfits, and receive what new partners keep."""
+        """Find its partners among all endpoints. Record new misfits, and receive the messages kept by new partners."""
         known, self.partners = self.partners, {}
         for each in everyone:
             if each.topic_name == self.info.topic_name and each.kind != self.info.kind and each.owner != self._ignored:

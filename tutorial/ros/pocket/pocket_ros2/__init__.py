@@ -44,7 +44,7 @@ def uninstall() -> bool:
     Returns:
         Whether this was possible. If anything from the pocket ROS 2 has already been imported, nothing changes.
     """
-    if "_rosidl.message" in sys.modules:  # imported by pocket's rclpy, too
+    if "_rosidl.message" in sys.modules:  # pocket's rclpy imports it, too
         return False
     sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
     ours = ("_absent", "_rosidl.finder")

@@ -30,7 +30,7 @@ class InterfaceFinder(MetaPathFinder, Loader):
         """Return a spec for a message package or a module inside one, and None for everything else.
 
         Raises:
-            ImportError: there is no such message, but one with a similar name.
+            ImportError: there is no such message, but there is one with a similar name.
         """
         package, *rest = fullname.split(".")
         names = _message_names(package) if package.endswith(PACKAGE_SUFFIXES) else {}

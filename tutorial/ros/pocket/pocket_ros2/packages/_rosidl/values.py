@@ -54,7 +54,7 @@ class Container(NamedTuple):
     """The container of a field that holds several numbers.
 
     Attributes:
-        kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number.
+        kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number of values.
         make: converts values to the container; copies a container.
         default: returns an empty container, or one with zeros.
     """

@@ -1,4 +1,4 @@
-"""The middleware on Cyclone DDS: implements what `rclpy._transport` describes."""
+"""The middleware on Cyclone DDS, which implements `rclpy._transport`."""
 
 import ctypes
 import os
@@ -48,7 +48,7 @@ TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 handle. An entry for a participant also begins with a guid, followed by these policies."""
 PARTICIPANT_QOS = 2
 MADE_FOR = "11.0.1"
-"""The verified version of the package cyclonedds: its C API does not guarantee these offsets."""
+"""The version of the package cyclonedds for which the offsets were verified: its C API does not guarantee them."""
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
@@ -334,7 +334,7 @@ class Participant:
         """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
         Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader exists only during the call,
-        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, also
+        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, partly
         because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would convert
         the policies of all entries, and replace Ctrl-C with an exception of its own.
         """

@@ -1,6 +1,6 @@
 """The DDS domain to join, with limits on who can discover this process.
 
-By default nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
+By default, nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
 """
 
 import errno

@@ -18,7 +18,7 @@ AT_ONCE = 256
 """Maximum number of announcements to take at once, so that a constant stream of them cannot block the caller."""
 LONGEST = 32_768
 """Maximum size of an announcement [bytes]: about 100 nodes in one process, with all their publishers. Decoding it takes
-about 10 ms, or 40 during a garbage collection; a query for nodes decodes at most two of them."""
+about 10 ms, or 40 ms during a garbage collection; a query for nodes decodes at most two of them."""
 
 TOPIC, TYPE_NAME = "ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo"
 WRITER_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -32,7 +32,7 @@ class Graph:
         participant: the participant.
 
     Attributes:
-        participant: as given.
+        participant: the given participant.
         changes: the reader whose messages the executor waits for before it calls :meth:`listen`.
     """
 

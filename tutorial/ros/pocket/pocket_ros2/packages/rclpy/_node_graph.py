@@ -51,11 +51,11 @@ class NodeGraph(NodeNames):
         return self._topics_of((node_name, node_namespace), SUBSCRIPTIONS, no_demangle)
 
     def count_publishers(self, topic_name: str) -> int:
-        """Return the number of publishers on a topic in all processes; its name is not remapped."""
+        """Return the number of publishers on a topic in all processes; the topic's name is not remapped."""
         return len(self._endpoints(PUBLISHERS, f"rt{self._expanded(topic_name)}"))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """Return the number of subscriptions on a topic in all processes; its name is not remapped."""
+        """Return the number of subscriptions on a topic in all processes; the topic's name is not remapped."""
         return len(self._endpoints(SUBSCRIPTIONS, f"rt{self._expanded(topic_name)}"))
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
