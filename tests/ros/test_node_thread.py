@@ -1,4 +1,4 @@
-"""A node that counts messages and spins on its own thread. To its program it looks like rclpy's."""
+"""A node that counts messages and spins on its own thread. To its program, it looks like a node of rclpy."""
 
 import sys
 import threading

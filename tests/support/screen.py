@@ -82,7 +82,7 @@ class Sight:
     """A 3D view on the page.
 
     Attributes:
-        name: of the view; it may be shown several times.
+        name: the view's name; the view may be shown several times.
         share: how much of it is on the screen, 0 to 1.
         has_moved: whether something in it has moved since the cell was started.
         moves: whether something in it has moved since the last glance.
@@ -114,7 +114,7 @@ class Learner:
     shows the view again, its motion is not the effect of a cell.
 
     Args:
-        notebook: it is open, and at its beginning.
+        notebook: the open notebook, at its beginning.
         path: its file.
     """
 

@@ -32,7 +32,7 @@ async def comes(widget, *messages):
 
 
 def shown(sent):
-    """Return the first byte of each sent image; None for a line without one."""
+    """Return the first byte of each sent image; None for a line without an image."""
     return [buffers[0][0] if buffers[0] else None for _, buffers in sent]
 
 

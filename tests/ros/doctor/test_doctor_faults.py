@@ -1,4 +1,4 @@
-"""The doctor on real graphs: each fault is seeded in two variants, and it has to name the cause first.
+"""The doctor on real graphs: each fault is seeded in two variants, and the doctor has to name its cause first.
 
 The tests only use rclpy, so they run on a real ROS 2, too.
 """

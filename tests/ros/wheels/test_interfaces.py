@@ -1,4 +1,4 @@
-"""Building interface packages: built ones can be used, and an error explains why one cannot be built."""
+"""Building interface packages: they can be used, or an error explains why one cannot be built."""
 
 import json
 import os

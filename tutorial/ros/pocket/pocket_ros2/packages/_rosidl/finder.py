@@ -74,7 +74,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Raise an error that suggests a message with a similar name; if no name is similar, let Python raise its own."""
+    """Raise an error that suggests a message with a similar name. Otherwise, Python raises its own error."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"

@@ -30,7 +30,7 @@ class Primitive(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """What ROS 2's checks call a number of this type."""
+        """The term that ROS 2's checks use for a number of this type."""
         return self.idl if self.python is float else "integer" if self.limits[0] else "unsigned integer"
 
     def holds(self, number: Any) -> bool:

@@ -321,9 +321,9 @@ class Participant:
     def leave(self) -> None:
         """Close the participant and its entities. If it is the process's last one, also free ports and threads.
 
-        Don't delete its entities first. Cyclone DDS's Python package frees a message type with its last topic,
-        although the domain goes on reading the type of its first message, an announcement of nodes, until it is deleted
-        itself (``serdata_eqkey`` in its C code). A participant deletes its topics last.
+        Don't delete its entities first. Cyclone DDS's Python package frees a message type with its last topic. However,
+        a domain reads the type of its first message, an announcement of nodes, until the domain itself is deleted
+        (``serdata_eqkey`` in its C code). A participant deletes its topics last.
         """
         with lock:
             close(self.dds)

@@ -56,7 +56,7 @@ class Context:
         Args:
             args: the command line; None uses ``sys.argv``.
             initialize_logging: configure logging from the command line.
-            domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0.
+            domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0 if that is not set.
 
         Raises:
             RuntimeError: the context has already been started, or the domain is negative.
