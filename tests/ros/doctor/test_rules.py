@@ -37,6 +37,10 @@ CASES = {
         Facts(TOPIC, joined=False, participants=32),
         replace(ALONE, participants=32, topics=OTHERS),
     ),
+    "stopped": (
+        replace(SILENT, programs=(replace(PYTHON, stopped=True),)),
+        replace(ALONE, programs=(PYTHON, replace(PYTHON, stopped=True)), found_in=(5,)),
+    ),
     "name": (
         replace(ALONE, topics=OTHERS, found_in=(5,)),
         replace(WELL, subscriptions=(), topics=(Topic("/Tank/joint_states", (JOINTS,)),)),
@@ -51,10 +55,6 @@ CASES = {
     "clock": (
         replace(SILENT, clock_users=("/tank",)),
         replace(SILENT, clock_users=("/tank", "/viewer"), clock_publishers=1),
-    ),
-    "stopped": (
-        replace(SILENT, programs=(replace(PYTHON, stopped=True),)),
-        replace(ALONE, programs=(PYTHON, replace(PYTHON, stopped=True))),
     ),
     "silent": (SILENT, replace(SILENT, subscriptions=())),
     "late": (

@@ -187,9 +187,9 @@ def _clock(facts: Facts) -> Found | None:
 
 def _stopped(facts: Facts) -> Found | None:
     program = _program(facts, lambda each: each.stopped and each.joined)
-    if facts.received or program is None:
+    if program is None or (facts.publishers and not facts.silent):
         return None
-    return Found(f"{_process(program)} is suspended.", {"PROCESS": str(program.pid)})
+    return Found(f"{_process(program)} is suspended, and it is in domain {facts.domain}.", {"PROCESS": str(program.pid)})
 
 
 def _silent(facts: Facts) -> Found | None:
@@ -353,6 +353,14 @@ RULES: dict[str, Rule] = {
         command="export ROS_DOMAIN_ID=1",
         look="ss -ulnp",
     ),
+    "stopped": Rule(
+        "a program is suspended",
+        _stopped,
+        "Ctrl-Z suspends a program. It sends nothing until it is resumed.",
+        "Type fg in its terminal, or resume it from any other terminal.",
+        command="kill -CONT PROCESS",
+        look="ps -o stat,args PROCESS",
+    ),
     "name": Rule(
         "the topic's name differs",
         _name,
@@ -412,14 +420,6 @@ RULES: dict[str, Rule] = {
         "Start the program that publishes /clock, such as a simulator, or start the node again with use_sim_time off.",
         command="--ros-args -p use_sim_time:=false",
         look="topic info /clock",
-    ),
-    "stopped": Rule(
-        "a program is suspended",
-        _stopped,
-        "Ctrl-Z suspends a program. It sends nothing until it is resumed.",
-        "Type fg in its terminal, or resume it from any other terminal.",
-        command="kill -CONT PROCESS",
-        look="ps -o stat,args PROCESS",
     ),
     "silent": Rule(
         "the publisher is silent",
