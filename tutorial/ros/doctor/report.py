@@ -36,7 +36,7 @@ def _arrived(facts: Facts) -> str:
     if not facts.seconds:
         return ""
     messages = f"{facts.received or 'No'} message{'s' * (facts.received != 1)}"
-    return f"\n{messages} arrived at the doctor in {facts.seconds:.1f} s."
+    return f"\n{messages} arrived at the doctor, which accepts any QoS, in {facts.seconds:.1f} s."
 
 
 def _nodes(noun: str, endpoints: Sequence[Endpoint]) -> str:

@@ -189,7 +189,7 @@ def _stopped(facts: Facts) -> Found | None:
     program = _program(facts, lambda each: each.stopped and each.joined)
     if program is None or (facts.publishers and not facts.silent):
         return None
-    return Found(f"{_process(program)} is suspended, and it is in domain {facts.domain}.", {"PROCESS": str(program.pid)})
+    return Found(f"{_process(program)} is suspended, and uses domain {facts.domain}.", {"PROCESS": str(program.pid)})
 
 
 def _silent(facts: Facts) -> Found | None:
@@ -308,7 +308,7 @@ def _program(facts: Facts, test: Callable[[Program], bool]) -> Program | None:
 
 
 def _process(program: Program) -> str:
-    return f"Process {program.pid} ({printable(program.name)})"
+    return f"Process {program.pid} ({printable(program.command)})"
 
 
 def _who(endpoint: Endpoint) -> str:
@@ -373,7 +373,7 @@ RULES: dict[str, Rule] = {
         "the publisher is in a different domain",
         _domain,
         "Programs only see each other if they have the same ROS_DOMAIN_ID. Without one, they are in domain 0.",
-        "If that is your publisher and not somebody else's, start both programs in the same domain.",
+        "If that publisher is not somebody else's, start your other program again in its domain.",
         command="export ROS_DOMAIN_ID=DOMAIN",
         look="ROS_DOMAIN_ID=DOMAIN topic info -v TOPIC",
     ),
@@ -392,7 +392,7 @@ RULES: dict[str, Rule] = {
     "reliability": Rule(
         "the reliability does not fit",
         _apart("reliability", lambda each: "RELIABLE" if each.reliable else "BEST_EFFORT"),
-        "A RELIABLE subscription refuses a BEST_EFFORT publisher, which never sends a lost message again.",
+        "A RELIABLE subscription refuses a BEST_EFFORT publisher. (A BEST_EFFORT subscription accepts any.)",
         "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or the publisher RELIABLE.",
     ),
     "durability": Rule(
@@ -404,8 +404,8 @@ RULES: dict[str, Rule] = {
     "deadline": Rule(
         "the deadline does not fit",
         _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
-        "A subscription with a deadline refuses a publisher that does not promise to publish that often.",
-        "Remove the deadline from the subscription, or set one on the publisher that is at most as long.",
+        "A subscription with a deadline refuses a publisher without the promise to publish that often.",
+        "Give the subscription a longer deadline or none, or give the publisher a deadline that is short enough.",
     ),
     "liveliness": Rule(
         "the liveliness does not fit",
