@@ -75,12 +75,14 @@ class TestEcho:
 
     def test_two_types_on_one_topic(self, asker):
         with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS allows only one type for each
-            one.node.create_publisher(String, "/both", 1)
+            publisher = one.node.create_publisher(String, "/both", 1)
+            one.node.create_timer(0.05, lambda: publisher.publish(String(data="here")))
             other.node.create_publisher(Joy, "/both", 1)
             assert refusal(topic_echo(asker, "/both")) == (
                 "Cannot echo topic '/both', as it contains more than one type: "
                 "[sensor_msgs/msg/Joy, std_msgs/msg/String]"
             )
+            assert asyncio.run(first(topic_echo(asker, "both", "std_msgs/String"))) == "data: here\n---\n"
             text = asyncio.run(topic_info(asker, "/both"))
             assert text.startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
 
