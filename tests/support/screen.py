@@ -11,6 +11,7 @@ from loops import until
 
 SEE = "**What you should see:**"
 HALF = 0.5  # of its area: then it counts as on the screen
+WHOLE = 0.95  # of its area: then it counts as whole
 GLANCE = 0.1  # [s] from one glance to the next
 TOO_LONG = 3  # glances in which something moved off the screen
 NAMES = """
@@ -176,6 +177,9 @@ class Learner:
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
         for name in gone - self._running:
             self._moved.setdefault(name, []).append(number)
+        for sight in sights:
+            if sight.is_new and sight.share < WHOLE:
+                self._missed.append(f"cell {number} shows only {sight.share:.0%} of {sight.name}")
         for name in {sight.name for sight in sights if sight.is_new}:
             self._missed += self._lines(name)
             self._moved.pop(name, None)
