@@ -5,7 +5,7 @@ is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` a
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive forward.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis separately; outside of this dead zone, use
+- An axis counts as 0 if its absolute value is at most 0.3. Check each axis separately; outside of this dead zone, use
   it unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
@@ -100,7 +100,7 @@ MISTAKES = [
     Mistake("you use TankController's speeds, 2 y - x and 2 y + x. "
             "Here they are half as fast: 1.0 * left_y and 0.5 * left_x.",
             both(replace("1.0 * left_y", "2.0 * left_y"), replace("0.5 * left_x", "1.0 * left_x"))),
-    Mistake("you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.", replace("> 0.3", "> -1")),
+    Mistake("you have no dead zone. An axis counts as 0 if abs(axis) <= 0.3.", replace("> 0.3", "> -1")),
     Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
     Mistake("you use one dead zone for both axes together. Check each axis separately: abs(axis) > 0.3.",
@@ -111,8 +111,8 @@ MISTAKES = [
             replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
-           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, without a limit, and nothing "
-           "else moves. Each axis separately counts as 0 unless abs(axis) > 0.3.")  # fmt: skip
+           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, unclamped, and nothing else "
+           "moves. Check each axis separately: it counts as 0 if abs(axis) <= 0.3.")  # fmt: skip
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
     *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),
@@ -174,7 +174,7 @@ def two(trial: Trial) -> str:
 
 
 def halved(trial: Trial, in_callback: bool) -> str:
-    """Interleave the callback and `control` in every order, and observe whether half of a message is used."""
+    """Interleave the callback and `control` in every order, and observe whether only half of a message is used."""
     rig, seen = played(trial, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
@@ -192,7 +192,7 @@ def halved(trial: Trial, in_callback: bool) -> str:
 
 
 AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Keep every message."
-MISSING = ("You probably expect every axis to be there, or drop a message with too few. "
+MISSING = ("You probably expect every axis to be present, or drop a message with too few. "
            "Missing axes count as 0; four_axes(message) fills them in.")  # fmt: skip
 NEWEST = ("You probably let a message expire, or drop messages that arrive too "
           "close together. Use the newest message until the next one arrives.")  # fmt: skip

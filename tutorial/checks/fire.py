@@ -7,8 +7,8 @@ pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the 
 - A button that the message lacks counts as not pressed.
 - `FireButton` doesn't need `self.joy`, but your callback may put the message there, too.
 
-Hint 1: Think of messages without a pressed button: it is released, or the message has no buttons. What does self.fire
-have to hold after such messages?
+Hint 1: Think of messages without a pressed button: button 0 is released, or the message has no buttons. What does
+self.fire have to hold after such messages?
 
 Hint 2: message.buttons is a list, and it can be empty. Check its length before you read its first entry. Then put the
 result, whether it is True or False.
@@ -98,7 +98,10 @@ NO_CLOCK = (
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
-    """Return the value of `fire` after messages with these buttons. With button 1 alone, a stick is at its end, too."""
+    """Return the value of `fire` after messages with these buttons.
+
+    In a message where only button 1 is pressed, a stick is fully deflected, too.
+    """
     tank = rig.learner
     before = getattr(tank, "fire", None)
     for buttons in states:
@@ -144,7 +147,7 @@ CASES = [
          "You probably put True only when the button goes down. Put True while it is pressed."),
     Case("button 0 is released", after((1, 0), (0, 0)), "True stays: you probably don't put False after the "
          "release, or you ignore messages in quick succession."),
-    Case("button 0 is pressed, after a message in which it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 0 is pressed, after a message where it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),

@@ -9,7 +9,7 @@ node's namespace.
   message at any step within 1/10 s after the start; at the very first step it averages a single value.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
 - The angular velocity is the average of the sensor `GYRO`'s values since the last message: one value per step,
-  including the step that publishes the message.
+  including the step in which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
 - The stamp is the simulated time at which the message is published.
@@ -94,7 +94,7 @@ MISTAKES = [
             replace("np.mean(self.samples, axis=0)", "np.sum(self.samples, axis=0)",
                     "(np.sum(self.samples, axis=0) * self.io.time_step)",
                     "(np.sum(self.samples, axis=0) / self.steps_per_message)")),
-    Mistake("you send the value of one step alone. Keep the value of every step, and send their average.",
+    Mistake("you send the value of only one step. Keep the values of all steps, and send their average.",
             replace("np.mean(self.samples, axis=0)", "self.samples[-1]")),
     Mistake("you average over all numbers at once, or over x, y and z. Average each component separately, with axis=0.",
             replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
@@ -194,6 +194,6 @@ CASES = [
          "You probably publish nothing while the robot doesn't turn. Publish every "
          "message: receivers can't tell rest from a lost connection."),
     Case("on a robot with only a gyroscope", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
-         "You probably use the accelerometer, too, which this robot lacks. Send only the gyroscope's measurements."),
+         "You probably also use the accelerometer, which this robot lacks. Send only the gyroscope's measurements."),
 ]  # fmt: skip
 gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, CASES, MISTAKES, MEANING))

@@ -23,7 +23,8 @@ Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; the
 notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
 back self.place itself: if you add and subtract, the result is not exactly the same.
 
-Notice that the timer, the next blow and unconfigure all use the same method to land: the first of them ends the hop.
+Notice that the timer, the next blow and unconfigure all use the same method to land: whichever comes first ends the
+hop.
 """
 
 import asyncio
@@ -129,7 +130,7 @@ class Hall(Viewer):
             after = self.loop.time() - began
             if self.body.position[2] - self.place[2] < HEIGHT / 2:
                 after = next((due for due in (0.125, 0.5) if -0.02 < after - due < 0.03), after)
-                return f"down after {after:.3g} s{f', of {timers} timers' * (timers > 1)}"
+                return f"down after {after:.3g} s{f', with {timers} timers' * (timers > 1)}"
             rings = [timer.when() - self.loop.time() for timer in self.loop.timers]
             if not rings and after > 1.0:
                 break
@@ -148,7 +149,7 @@ blow, other_blow, harmless = heard(imu(*BLOW)), heard(imu(*OTHER_BLOW)), heard(i
 
 
 def land(hall: Hall) -> None:
-    """Let the body come down."""
+    """Wait until the body has come down."""
     hall.falls()
 
 
@@ -190,7 +191,7 @@ def in_a_crowd(hall: Hall) -> str:
         hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
-    lost = f"{len(kept)} of 5 messages arrived, calls waiting: {calls}{' under a key' * bool(hall.keys)}"
+    lost = f"{len(kept)} of 5 messages arrived, calls waiting: {calls}{', under a key' * bool(hall.keys)}"
     return "" if hall.where() == UP else lost
 
 
@@ -209,7 +210,7 @@ CASES = [
          "You probably use a different timer or duration, or the function that it calls does not put "
          "the body back. In update write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "You probably compute or hard-code the place to land. Set the position that you stored on the blow."),
+         "You probably compute or hard-code the place to land. Restore the position that you stored on the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after it has landed and been moved elsewhere", hopped(blow, land, move_it, other_blow, *THEN),
          "You probably keep something from the previous hop. On landing "

@@ -35,7 +35,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 BURST = 50
-MOST = 10_000  # the limit for instructions of a method; the other thread interrupts at each of them
+MOST = 10_000  # the limit on instructions of a method; the other thread interrupts at each of them
 BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 
 
@@ -99,7 +99,7 @@ def drawn(viewer: Viewer, places: Sequence[str]) -> str:
     viewer.drain()
     where = viewer.where()
     message = f"message {places.index(where) + 1} of {BURST}" if where in places else where
-    return f"{len(viewer.shown)} draws, the last one is {message}" if len(viewer.shown) > 1 else f"it draws {message}"
+    return f"{len(viewer.shown)} draws, the last one of {message}" if len(viewer.shown) > 1 else f"it draws {message}"
 
 
 def in_any_order(viewer: Viewer) -> str:
@@ -114,7 +114,7 @@ def in_any_order(viewer: Viewer) -> str:
             more = interleave(viewer.trial, turns[0], turns[1], at)
             viewer.drain()
             if {where for where, _ in viewer.shown} - {BOTH.format(q, q) for q in (0.3, 0.4)}:
-                return "a mix of both is shown"
+                return "a mix of both messages is shown"
             if not more:
                 break
             if viewer.where() != BOTH.format(0.4, 0.4):

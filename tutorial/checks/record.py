@@ -43,7 +43,7 @@ from tutorial.controller import SimpleController
 
 
 class QueueRecorder(SimpleController):
-    """Replace the notebook's class of this name. `Surroundings` does the work of its `configure`."""
+    """Stand in for the notebook's class of the same name. `Surroundings` does the work of its `configure`."""
 
 
 class MyRecorder(QueueRecorder):
@@ -84,17 +84,17 @@ MISTAKES = [
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
            "Only the thread takes entries and writes, and only None ends it.")  # fmt: skip
 NEVER = "You probably put None after join, or not at all: put it before join, so the thread ends."
-PAST_NONE = "You probably continue after None: leave the loop when you take it."
+PAST_NONE = "You probably continue after None: leave the loop when you get it."
 STOLEN = "You probably take None out of the queue outside of the thread: call get only in write, on the thread."
 BUSY = "A busy loop wastes CPU time: self.received.get() waits for an entry, and self.writer.join() for the thread."
 THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
 NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
 TOO_EARLY = "super().configure(config) starts the thread: set everything that write needs before that line."
-OFTEN = 100  # the limit for consecutive calls of empty()
+OFTEN = 100  # the limit on consecutive calls to empty()
 
 
 class Surroundings:
-    """A recorder's queue, node, thread and bag. The disk takes a second for the first message.
+    """A recorder's queue, node, thread and bag. The disk takes a second to write the first message.
 
     So the thread pauses during that write, or when the queue is empty, until something waits for the thread to end.
 

@@ -123,7 +123,7 @@ SLEW: Move = (0.0, 0.05, 0.0)
 
 
 def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
-    """Make a rig whose joints jump once per period, from the second one on; without moves, they turn in every step."""
+    """Make a rig whose joints jump once per period, from the second period on; if `moves` is empty, in every step."""
 
     def move() -> None:
         look, rest = divmod(rig.io.step, round(LOOK / rig.io.time_step))

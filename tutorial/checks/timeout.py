@@ -18,7 +18,7 @@ their contents.
 Hint 3: if message is not self.message, set self.message, self.since = message, seconds. Then return whether seconds -
 self.since is at most 0.5.
 
-Notice that a robot whose joystick breaks, or whose network fails, now stops by itself.
+Notice that a robot whose joystick breaks, or whose network fails, now stops automatically.
 """
 
 from itertools import cycle
@@ -64,7 +64,7 @@ MISTAKES = [
                     'message.axes != getattr(self.message, "axes", None)')),
     Mistake("you keep the time of the first message only. Set self.since for every new message.",
             replace("if message is not self.message:", "if self.message is None:")),
-    Mistake("after one message is too old, you reject all later ones, too. Each new message is fresh again.",
+    Mistake("once a message is too old, you also reject all later ones. Each new message is fresh again.",
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
@@ -118,7 +118,7 @@ CASES = [
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a held stick, an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
          "You probably compare the messages' contents, or look for the message "
-         "among all earlier ones. Compare with the last message, using `is not`."),
+         "among all earlier ones. Compare with the previous message, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
     Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
          "You probably keep id(message), and a later message can get "

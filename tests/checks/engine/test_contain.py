@@ -72,8 +72,8 @@ class HaltsPython(GentleTank):
 
 
 ENDS = [
-    (TakesLong, "✗ every call of control takes too long", "in control, line ", "return at once"),
-    (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only returns"),
+    (TakesLong, "✗ the calls to control take too long", "in control, line ", "return at once"),
+    (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only has to return"),
     (Crashes, "✗ the process was killed by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
     (Floods, "✗ control does not return", "  | here I am", "it needs no loop of its own"),
     (HaltsPython, "✗ Python itself hangs", "in control, line", "A call into C code probably did not return"),

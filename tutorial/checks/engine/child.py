@@ -30,12 +30,12 @@ from tutorial.checks.engine.verdict import Finding, wrong
 
 LOOK = 0.1  # [s] between checks by the watchdog
 TIMEOUT = 15  # number of checks after which a running call counts as stuck
-BUDGET = 25  # number of checks that all calls of one method may take together
+BUDGET = 25  # number of checks that all calls to one method may take in total
 HALT = 5.0  # [s] without a check after which the watchdog itself counts as blocked
 
 
 def main() -> NoReturn:
-    """Judge the answer, and end the process."""
+    """Judge the answer, and exit."""
     report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered: each line is one write, so lines of two threads don't mix
     os.dup2(2, 1)
     parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - stays open to the end
@@ -60,7 +60,7 @@ def _findings(module: str, name: str, answer: bytes, instruments: Instruments) -
 
 
 def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) -> None:
-    """End the process if its parent has died, or if one of the learner's methods does not return."""
+    """Stop the process if its parent has died, or if one of the learner's methods does not return."""
     looks: Counter[Call] = Counter()
     sums: Counter[str] = Counter()
     while not select.select([parent], [], [], LOOK)[0]:
@@ -79,8 +79,8 @@ def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) 
 
 
 def _give_up(report: FileIO, trial: Trial, ident: int, method: str, stuck: bool) -> NoReturn:
-    """Report the method that does not return, with its current line, and end the process."""
-    text = f"{method} does not return" if stuck else f"every call of {method} takes too long"
+    """Report the method that does not return, with its current line, and exit."""
+    text = f"{method} does not return" if stuck else f"the calls to {method} take too long"
     _tell(report, wrong(text, endless(method), trial.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 

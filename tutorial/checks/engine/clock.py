@@ -94,7 +94,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         self._trial.ahead += passed
 
     def _check(self) -> None:
-        """Refuse calls from other threads, as asyncio does in debug mode: otherwise they might never run."""
+        """Reject calls from other threads, as asyncio does in debug mode: otherwise they might never run."""
         if threading.get_ident() != self._thread and not self._trial.is_interleaved:
             raise RuntimeError(OTHER_THREAD)
 

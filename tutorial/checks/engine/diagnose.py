@@ -118,7 +118,7 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
     Args:
         seen: the observations.
         twins: tries the solution with mistakes.
-        most: how many mistakes may be combined.
+        most: the maximum number of mistakes to combine.
     """
     odd = [each for each in seen if each.is_odd]
     if not odd:
@@ -158,10 +158,10 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield pairs of mistakes: one leads to the last odd observation, or both make that case wrong.
+        """Yield pairs of mistakes where one leads to the last odd observation, or both make that case wrong.
 
-        There are no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a
-        pair would only be a guess.
+        Yield no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a pair
+        would only be a guess.
         """
         cases = self._twins.cases
         if self._seen[0].failed or cases.one_by_one or 2 * len(self._seen) < len(cases.cases):

@@ -19,7 +19,7 @@ THE_NODE = "config.node belongs to the whole program. In unconfigure destroy onl
 TOO_MANY = (
     "You probably make one at every start, or super().configure(config) makes another. Make one {0}, in configure."
 )
-LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not reach the node."
+LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not notify the node."
 
 
 class Endpoint:
@@ -62,7 +62,7 @@ class MemoryNode:
     """The part of rclpy's node that a controller uses. No message leaves it.
 
     Args:
-        trial: records that the answer makes a timer.
+        trial: records whether the answer makes a timer.
         publish: called with a publisher and each message that it publishes.
         namespace: the node's namespace.
 

@@ -79,7 +79,7 @@ class Publishing:
 
     def _mistakes(self) -> list[Mistake]:
         return [
-            Mistake("you use the displayed copy, config.body, on which nothing moves. The simulated body is io.body.",
+            Mistake("you use the displayed copy, config.body, where nothing moves. The simulated body is io.body.",
                     both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
                          replace("self.io = io", "self.io, io.body = io, self.shown"))),
             Mistake(f"you publish at every step. Publish only if {self.when}.",
@@ -103,7 +103,7 @@ class Publishing:
     @property
     def _stamp(self) -> str:
         return (
-            "The stamp is probably missing, counted, or from a different clock, or sec and nanosec don't belong "
+            "The stamp is probably missing, a count, or from a different clock, or sec and nanosec don't belong "
             f"together: nanosec restarts at 0 every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
@@ -167,7 +167,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Return whether messages were sent from the start, and at the right rate, up to rounding to whole steps."""
+        """Return whether messages were sent from the start, and at the right rate up to rounding to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
@@ -233,7 +233,7 @@ def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any],
 
 
 def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
-    """Describe stamps [ns], each given with the expected stamp [ns]."""
+    """Describe stamps [ns], each paired with the expected stamp [ns]."""
     if not pairs:
         return NOTHING
     if any(stamp > 10**18 for stamp, _ in pairs):

@@ -66,7 +66,7 @@ class Viewer:
         shown: the observers' view of the body at each change: its position, and whether its links had followed.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. All methods of a viewer raise this, too.
+        Failure: one of the learner's methods raised an exception. Every method of a viewer can raise this, too.
     """
 
     def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
@@ -115,13 +115,13 @@ class Viewer:
         self.loop.advance(seconds)
         self._tell()
         if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
-            raise Failure("the posted call", Misuse("it posts another call each time it runs, without end", ENDLESS))
+            raise Failure("the posted call", Misuse("it posts another call every time it runs, endlessly", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Call `unconfigure`, drop the waiting calls, and describe where the body is afterwards.
 
         Args:
-            messages: messages that arrive just before, on the blocked main thread.
+            messages: messages that arrive just before, while the main thread is blocked.
         """
         self.shown.clear()
 
@@ -202,7 +202,7 @@ class Viewer:
 
 
 def _check_callable(function: Any) -> None:
-    """Refuse to post an object that cannot be called.
+    """Reject an object that cannot be called.
 
     Raises:
         Misuse: the object cannot be called.

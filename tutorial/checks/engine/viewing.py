@@ -19,7 +19,7 @@ BESIDE = "You probably post from your own timer or thread. Post in the callback,
 
 SHARED_BY_VIEWERS = "You probably keep something on the class, which all viewers share. Set it on self, in configure."
 ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure write {}."
-NOT_POSTED = ("You probably drop some messages, for instance every second one, or post no calls at all. "
+NOT_POSTED = ("You probably drop some messages, for instance every other one, or post no calls at all. "
               "Post a call for each message, {}, and show it.")  # fmt: skip
 MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
          "After every move of the body call these two, in this order.")  # fmt: skip
@@ -70,7 +70,7 @@ def hands_over(*messages: Any) -> Step:
 
 
 def side_by_side(*done: Step) -> Step:
-    """Make a step in which a tank and the crane Lift take turns with these steps."""
+    """Make a step in which the tank and the crane Lift perform these steps in turn."""
 
     def step(tank: Viewer) -> str:
         with closing(tank.another("crane", "Lift")) as lift:
