@@ -142,7 +142,7 @@ def test_when_stopping_it_kills_processes_that_do_not_end(machine, launch_file, 
     monkeypatch.setattr(launcher, "TIMEOUT", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted
-    assert machine.lines[-1] == "stubborn | did not stop within 0.2 s and is killed"
+    assert machine.lines[-1] == "stubborn | did not stop within 0.2 s, so it is killed"
     assert machine.heard[0] == [INT]
     assert machine.heard[1][:2] == [INT, KILL]
 

@@ -130,5 +130,7 @@ def test_attached_file(world, tmp_path, caplog, recwarn, monkeypatch):
     (tmp_path / "arm.xml").write_text(f'<mujoco model="arm">{option(cone="elliptic")}{BODY}</mujoco>')
     attach = '<asset><model name="arm" file="arm.xml"/></asset><worldbody><attach model="arm" prefix="P_"/></worldbody>'
     world('<option cone="pyramidal"/>' + attach)
-    assert caplog.messages == ["a model's file attaches another file whose options differ. They are not used."]
+    assert caplog.messages == [
+        "a model's file attaches another file whose options differ. That file's options are not used."
+    ]
     assert list(recwarn) == []

@@ -123,7 +123,7 @@ async def test_it_follows_one_of_two_publishers_until_it_leaves(step3, caplog):
             for i in range(1, 30):  # like stamps, 3 ms apart
                 assert await say(first, 0.5, 20 * i) == 0.5
                 assert await say(second, -0.5, 20 * i + 3) == 0.5
-            assert f"Tank: 2 nodes publish on {TOPIC}, one is followed: /one, /other" in caplog.messages
+            assert f"Tank: 2 nodes publish on {TOPIC}, only one is followed: /one, /other" in caplog.messages
             one.close()
             await until(lambda: subscription.get_publisher_count() == 1)
             assert await say(second, -0.5, 600) == -0.5
@@ -190,7 +190,7 @@ async def test_a_body_that_cannot_join_changes_nothing(step2, step3):
     [item] = step3.bodies
     unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
     async with Host(step3, view=watched_view()) as host:
-        with pytest.raises(TutorialError, match=r"there already is a body 'Tank'\. Remove it first"):
+        with pytest.raises(TutorialError, match=r"there is already a body 'Tank'\. Remove it first"):
             host.add(item)
         with pytest.raises(TutorialError, match=r"Unfit could not join Other: test_host.py, line \d+, in configure: V"):
             host.add(unfit)

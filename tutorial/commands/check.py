@@ -42,12 +42,12 @@ LIMIT = 60.0  # [s] time limit for each answer
     default=LIMIT,
     show_default=True,
     metavar="SECONDS",
-    help="Stop answers that take longer.",
+    help="Stop an answer that takes longer than this.",
 )
 @click.option(
     "--json", "as_json", is_flag=True, help="Print JSON, with the full text of each check, instead of the table."
 )
-@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox, if you trust them.")
+@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox. Use this only if you trust them.")
 @click.option(
     "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
 )

@@ -216,11 +216,11 @@ def domain() -> Diagnosis:
     try:
         names = ask(_nodes)
     except TutorialError as error:
-        fix = "fix the problems of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
+        fix = "fix the problems with ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"cannot create a node in domain {number}: {error}", fix)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
-    text = f"in domain {number}: {', '.join(named) or 'nobody else'}"
+    text = f"in domain {number}: {', '.join(named) or 'no other nodes'}"
     if len(counts) < len(names):
         fix = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
         return Diagnosis("note", f"{text}. Nodes with the same name cannot be distinguished", fix)

@@ -149,7 +149,7 @@ class Launcher:
                 return
             time.sleep(LOOK_EVERY)
         for name in self._running:
-            self._say(name, f"did not stop within {TIMEOUT:g} s and is killed")
+            self._say(name, f"did not stop within {TIMEOUT:g} s, so it is killed")
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:

@@ -77,9 +77,9 @@ def tank() -> None:
 @click.option(
     "--port",
     type=click.IntRange(1, 65535),
-    help="Serve the 3D view on this port; by default, on the first free one from 7000.",
+    help="Serve the 3D view on this port; by default, on the first free port from 7000 up.",
 )
-@click.option("--html", type=FILE, help="Record the run as a page that replays it.")
+@click.option("--html", type=FILE, help="Save the run as a web page that replays it.")
 @click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
 @click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is named after it.")
 @click.option(
@@ -139,16 +139,16 @@ def launch(step: str, duration: float | None, headless: bool, report: Path | Non
 @duration_option
 @headless_option
 def demo(duration: float | None, headless: bool) -> int:
-    """Run all programs of step 3, and end with a table of the messages."""
+    """Run all programs of step 3, and print a table of the messages at the end."""
     from rich.console import Console
 
     from tutorial.commands.demo import read_records, summary
 
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
-    print_text("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
+    print_text("A joystick, a simulation and a viewer: three programs that talk over ROS 2 topics.\n")
     print_text("Open the two addresses below in a browser.\n")
-    print_text(f"It ends after {duration:g} s.\n" if duration else "Ctrl-C ends it.\n")
+    print_text(f"The demo stops after {duration:g} s.\n" if duration else "Press Ctrl-C to stop.\n")
     with tempfile.TemporaryDirectory(prefix="tank-") as directory:
         status = _launch("step3", duration, headless, Path(directory))
         records = read_records(Path(directory))
@@ -169,7 +169,7 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
     os.execve(sys.executable, lab_command(jupyter_args, course), with_own_commands(os.environ))
 
 
-@tank.command("doctor", short_help="Check this machine, or find out why no messages of a topic arrive.")
+@tank.command("doctor", short_help="Check this machine, or find out why no messages arrive on a topic.")
 @click.argument("topic_name", metavar="[TOPIC]", required=False)
 @click.option(
     "--domain",
@@ -207,7 +207,7 @@ def progress(folder: Path | None) -> None:
     print_text(f"{Overview(exercise_names(), place)!r}\n")
 
 
-@tank.command(short_help="Print a robot's description, a URDF.")
+@tank.command(short_help="Print a robot's description as URDF.")
 @click.argument("model")
 def urdf(model: str) -> None:
     """Print MODEL as URDF: an MJCF or URDF file, or the name of a tutorial model, such as tank.

@@ -154,7 +154,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         if self.simulation is not None:
             raise TutorialError(f"{name!r} cannot join a simulation. Add it to the project and reopen the project.")
         if name in self._items:
-            raise TutorialError(f"there already is a body {name!r}. Remove it first, or rename the new one.")
+            raise TutorialError(f"there is already a body {name!r}. Remove it first, or rename the new one.")
         try:
             self._add(entry, simulates=False)
         except BaseException:

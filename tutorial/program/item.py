@@ -126,7 +126,9 @@ class JointWatch:
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
-                self._publishers = f"{len(nodes)} nodes publish on {topic}, one is followed: {printable(_some(names))}"
+                self._publishers = (
+                    f"{len(nodes)} nodes publish on {topic}, only one is followed: {printable(_some(names))}"
+                )
                 if self._publishers != before:
                     _log.warning("%s: %s", self._body.name, self._publishers)
 

@@ -112,7 +112,7 @@ class Project:
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
             raise TutorialError(
-                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
+                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which one to replace."
             )
         name = model.stem.capitalize()
         compose([Placement(name, model)])  # raises MuJoCo's error if the model cannot be loaded
@@ -193,7 +193,7 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Co
         if unfit := _unfit(body.name):
             raise TutorialError(unfit)
         if duplicates := [name for name in body.names if name in taken]:
-            raise TutorialError(f"there already is a body {duplicates[0]!r}. Rename this one.")
+            raise TutorialError(f"there is already a body {duplicates[0]!r}. Rename this one.")
     with at("model"):
         model = _find_model(file.path.parent, body.model)
     controllers = []

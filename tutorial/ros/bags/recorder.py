@@ -126,8 +126,8 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be completed: {self.error.strerror}. Its content can be read, "
-                f"but {self.lost:,} messages, and the second before them, are lost. Free some space, or record to "
-                "a different disk."
+                f"but {self.lost:,} messages, and up to a second of earlier ones, are lost. Free some space, or record "
+                "to a different disk."
             ) from self.error
 
     def _settle(self) -> None:

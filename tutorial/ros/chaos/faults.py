@@ -49,7 +49,7 @@ FAULTS = {
     "long": "more positions than names",
     "late": "a message is held back for up to 0.3 s, and arrives after newer ones",
     "ahead": "the stamp is up to an hour ahead",
-    "restart": "the publisher is restarted, and its stamps begin at 0",
+    "restart": "the publisher restarts, and its stamps start at 0 again",
     "drop": "the message is lost",
     "burst": f"the message is sent {BURST} times at once",
     "second": "a second publisher reports all joints at 0",
