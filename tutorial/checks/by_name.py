@@ -5,8 +5,8 @@ to the positions that the `JointState` `message` has for them. `joint_names` con
 
 - The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
 - Leave out names that the body does not have.
-- If there are fewer or more positions than names, use the names that have a position. Without positions, the dict is
-  empty.
+- If there are fewer or more positions than names, use the names that have a position. If there are no positions, the
+  dict is empty.
 - Leave out positions for which `math.isfinite` returns False: NaN and infinities.
 - If a name appears twice, use its last finite position.
 

@@ -55,7 +55,7 @@ class GentleTank(SimpleController):
         self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message: Joy) -> None:
-        """Keep the newest state of the joystick."""
+        """Store the newest state of the joystick."""
         self.joy.put(message)
 
     def initialize(self, io: ControllerIO) -> None:
@@ -79,7 +79,7 @@ MISTAKES = [
     Mistake("control never gets the message, or sets no speed. Read "
             "self.joy.get(), and set self.track_l.ctrl, not self.track_l.",
             replace("self.joy.put(message)", "pass")),
-    Mistake("you move the turret or the barrel, too. Set only the "
+    Mistake("you also move the turret or the barrel. Set only the "
             "tracks. (TankController's control also sets the turret.)",
             both(replace("self.track_l =",
                          'self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0\nself.track_l ='),
@@ -103,7 +103,7 @@ MISTAKES = [
     Mistake("you have no dead zone. An axis counts as 0 if abs(axis) <= 0.3.", replace("> 0.3", "> -1")),
     Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
-    Mistake("you use one dead zone for both axes together. Check each axis separately: abs(axis) > 0.3.",
+    Mistake("you use a single dead zone for both axes. Check each axis separately: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
     Mistake("you subtract the dead zone from the axis, or rescale the "
@@ -124,7 +124,7 @@ WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
 def speeds(rig: Rig) -> str:
     """Describe the commanded speeds, and report any other commands."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
-    more = ", and the turret or the barrel moves, too" * any(turret)
+    more = ", and the turret or the barrel also moves" * any(turret)
     more += ", and the displayed copy is commanded" * any(rig.displayed.data.ctrl)
     return f"left {left:+z.2f}, right {right:+z.2f} m/s{more}"
 
@@ -200,7 +200,7 @@ KEPT = "You probably create self.joy in initialize, which forgets the last messa
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
          "You probably use \"/joy\" or a different topic or type, or don't "
-         'subscribe. In configure call create_subscription(Joy, "joy", ...).'),
+         'subscribe. In configure, call create_subscription(Joy, "joy", ...).'),
     Case("a message, before the next step", after("start", DRIVES),
          "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
@@ -223,7 +223,7 @@ CASES = [
     Case("a message before the start", after(DRIVES, "start", 1), KEPT),
     Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
     Case("two tanks", two,
-         "You probably keep the message on the class, so all tanks share it. Create self.joy in configure."),
+         "You probably store the message on the class, so all tanks share it. Create self.joy in configure."),
     Case("control runs between the callback's instructions", lambda trial: halved(trial, True),
          "Your callback probably stores a message in several parts, "
          "and control runs in between. Put it into self.joy as a whole."),

@@ -21,7 +21,7 @@ from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 
 NOT_YET = "Not attempted yet"
-"""The beginning of the message about an answer without any code."""
+"""The beginning of the message about an answer that has no code yet."""
 
 _PARTS = re.compile(r"\n\n(?:Hint \d: |(?=Notice ))")
 SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint shows, the weakest hint first

@@ -5,7 +5,7 @@ pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the 
 
 - In `message.buttons`, 1 is a pressed button and 0 a released one.
 - A button that the message lacks counts as not pressed.
-- `FireButton` doesn't need `self.joy`, but your callback may put the message there, too.
+- `FireButton` doesn't need `self.joy`, but your callback may also put the message there.
 
 Hint 1: Think of messages without a pressed button: button 0 is released, or the message has no buttons. What does
 self.fire have to hold after such messages?
@@ -45,7 +45,7 @@ class Listener(SimpleController):
         self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message: Joy) -> None:
-        """Keep the newest state of the joystick."""
+        """Store the newest state of the joystick."""
         self.joy.put(message)
 
     def unconfigure(self) -> None:
@@ -60,7 +60,7 @@ class FireButton(Listener):
         self.fire = Latest(False)
 
     def on_joy(self, message: Joy) -> None:
-        """Keep the newest state of the button."""
+        """Store the newest state of the button."""
         pressed = len(message.buttons) > 0 and message.buttons[0] == 1
         self.fire.put(pressed)
 
@@ -100,7 +100,7 @@ NO_CLOCK = (
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
     """Return the value of `fire` after messages with these buttons.
 
-    In a message where only button 1 is pressed, a stick is fully deflected, too.
+    In a message where only button 1 is pressed, a stick is also fully deflected.
     """
     tank = rig.learner
     before = getattr(tank, "fire", None)

@@ -12,7 +12,7 @@ node's namespace.
   including the step in which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
-- The stamp is the simulated time at which the message is published.
+- The stamp is the simulated time of publication.
 - The frame is the sensor's, `Tank/GYRO`: it includes the body's name. On the tank you may also use the chassis,
   `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
 - It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
@@ -22,7 +22,7 @@ node's namespace.
 Hint 1: Look at how often each thing happens. You measure in every step, but with steps of 1 ms you publish only in
 every hundredth. Keep the measurements until you publish.
 
-Hint 2: In initialize look up the sensor, and start with an empty list. In control append the sensor's value, in every
+Hint 2: In initialize, look up the sensor, and start with an empty list. In control, append the sensor's value in every
 step. When a message is due, publish the average of the list, and empty it. Mark the unmeasured fields.
 
 Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
@@ -60,7 +60,7 @@ class GyroPublisher(SimpleController):
         self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/gyro", 1)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Look up the sensor, and start without measurements."""
+        """Look up the sensor, and start with no measurements."""
         self.io = io
         self.sensor = io.body.sensor("GYRO")
         self.samples: list[NDArray[np.float64]] = []

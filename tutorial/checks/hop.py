@@ -17,7 +17,7 @@ Hint 1: Look at what you have to remember between calls: where the body stood, a
 you whether the body is up.
 
 Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. On
-a blow, land first; then store the position, move the body up, and start a new timer. Land in unconfigure, too.
+a blow, land first; then store the position, move the body up, and start a new timer. Also land in unconfigure.
 
 Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
 notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
@@ -208,12 +208,12 @@ CASES = [
          "self.body.position when the blow arrives, then set self.body.position to the stored x, y and z + 0.1."),
     Case("the hop ends", hopped(blow, Hall.falls),
          "You probably use a different timer or duration, or the function that it calls does not put "
-         "the body back. In update write asyncio.get_running_loop().call_later(0.5, self.land)."),
+         "the body back. In update, write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
          "You probably compute or hard-code the place to land. Restore the position that you stored on the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after it has landed and been moved elsewhere", hopped(blow, land, move_it, other_blow, *THEN),
-         "You probably keep something from the previous hop. On landing "
+         "You probably keep something from the previous hop. On landing, "
          "set self.timer = None, and store the position on each blow."),
     Case("a second blow while it is up", hopped(blow, wait, other_blow, *THEN),
          "You probably ignore it, lift the body again, store its position while it is up, or keep the first timer. "

@@ -13,8 +13,8 @@ will see only the newest. What has to happen to a waiting call when the next mes
 Hint 2: ControllerConfig has two ways to post. With one of them, a new call replaces a waiting one if you post both
 under the same key. The key says what the call is about. Everything else stays as in MyViewer.
 
-Hint 3: In configure keep config.call_latest instead of config.call_later. Its first argument is a key, which has to be
-the same for every message, for example the body's name. The function and the message follow, as before.
+Hint 3: In configure, store config.call_latest instead of config.call_later. Its first argument is a key, which has to
+be the same for every message, for example the body's name. The function and the message follow, as before.
 
 Notice what you lose: a replaced call never runs, so every message has to name all joints.
 """

@@ -158,7 +158,7 @@ FIFTY = ("You probably keep fewer or more than 50 waiting messages, or drop "
          "the wrong one: drop the one that arrived first.")  # fmt: skip
 CASES = [
     Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),
-         "You probably keep messages on the class, or in the default of an argument: keep them on self."),
+         "You probably store messages on the class, or in the default of an argument: store them on self."),
     Case("in turn", tried(*in_turn(20, 40, 60))),
     Case("the pose first", tried(*poses(20), *joints(20), *poses(40), *joints(40)),
          "You probably expect the joint states first: either message can "

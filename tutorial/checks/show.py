@@ -14,9 +14,9 @@ namespace, so the topic can also begin with a slash.
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
 thread: code that moves the body must run there.
 
-Hint 2: In configure keep config.body, config.node and config.call_later. Subscribe last, to a topic made from the
-body's name: the callback can run immediately. The callback has one line, which posts a method together with the
-message. That method matches, sets the positions, computes the kinematics and notifies, in this order.
+Hint 2: In configure, store config.body, config.node and config.call_later. Subscribe last, to a topic made from the
+body's name: the callback can run immediately. The callback has one line, which posts a method, with the message as its
+argument. That method matches, sets the positions, computes the kinematics and notifies, in this order.
 
 Hint 3: The callback is self.call_later(self.update, message), without parentheses after update. In update: positions,
 report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and

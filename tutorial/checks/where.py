@@ -73,7 +73,7 @@ MISTAKES = [
                          "turned(stamped.transform.rotation, np.array(point) -"),
                  replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
     Mistake("you divide by the length of the axis, or by a sine. Both "
-            "are 0 without a rotation: use turned(q, point).",
+            "are 0 if there is no rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
     Mistake("you round the numbers. Three digits lose up to half a millimetre: return the numbers unrounded.",

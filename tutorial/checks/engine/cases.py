@@ -1,4 +1,4 @@
-"""Cases and mistakes: the data of an exercise. They say what to try, and describe common wrong answers.
+"""Cases and mistakes: the data of an exercise. They define what to try, and describe common wrong answers.
 
 For instance::
 
@@ -144,7 +144,7 @@ class Cases:
         mistakes: the known mistakes, the root causes first.
         meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
         describe: describes an observation.
-        beside: functions of the solution's module that mistakes can change, too.
+        beside: functions of the solution's module that mistakes can also change.
         clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it may read it.
         on_ros: tries a right answer with rclpy's own node, and describes the result.
         one_by_one: whether the first wrong observation ends the check.

@@ -1,4 +1,4 @@
-"""Diagnose: find out why an answer is wrong, by comparing it with the solution with and without known mistakes.
+"""Diagnose: find out why an answer is wrong, by comparing it with the solution and its twins, which contain mistakes.
 
 The diagnosis is the smallest set of mistakes that makes the solution behave like the answer in every case.
 """
@@ -24,8 +24,8 @@ class Why(Enum):
 
     CLOCK = auto()  # the answer reads the computer's clock
     MEANING = auto()  # see `Case.meaning`
-    CRASH = auto()  # the answer raised an exception, and the case's meaning explains it; the check ends here
-    EXCEPTION = auto()  # the answer raised an exception that only its own message explains; the check ends here
+    CRASH = auto()  # the answer raised an exception, and the case's meaning explains it; the check stops here
+    EXCEPTION = auto()  # the answer raised an exception that only its own message explains; the check stops here
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
 
 
 class _Search:
-    """The candidates for an explanation, in the order in which they are tried.
+    """The candidates for an explanation, in the order they are tried.
 
     A candidate is tried first in the last odd case, which usually reveals the most. Slips are left out if only one case
     is odd or an exception was raised: too many of them would fit.

@@ -20,7 +20,7 @@ _RETURNS = {
     "aim": _STEPS,
     "unconfigure": "To wait until a thread has ended, join it. An empty queue does not mean that the thread has ended.",
     "update": "{} runs on the main thread, which does nothing else until it returns: draw, and return.",
-    "callback": "{} is a callback: keep the message or post a call, and return. Never wait or loop in a callback.",
+    "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
 """By method name, why the method must return at once."""
 _PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node, config.node, and shuts rclpy down."

@@ -18,7 +18,7 @@ NOTHING = "no message"
 IN_CONFIGURE = "You probably create it in initialize, which runs at every start. Create it once, in configure."
 TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
 ALL_JOINTS = "you hard-code the joints' names, or their number. Use all joints of the body: io.body.joints."
-SHARED_BY_ROBOTS = "You probably keep something on the class, which all robots share. Set it on self, in initialize."
+SHARED_BY_ROBOTS = "You probably store something on the class, which all robots share. Set it on self, in initialize."
 RESTART = "You probably keep state from the previous run, or count steps or time from 0. Time continues after stop."
 
 # Returns an observation, given the rig and the sent messages.
@@ -68,7 +68,7 @@ class Publishing:
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
-        topic = f"You probably use a different topic or type. In configure write {made}, without a leading slash."
+        topic = f"You probably use a different topic or type. In configure, write {made}, without a leading slash."
         condition = f"You probably test a different condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
@@ -221,7 +221,7 @@ class Publishing:
 
 
 def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any], str]) -> Any:
-    """Describe the first wrong value, and return the description together with all values.
+    """Return a description of the first wrong value, with all values; or `right` if no value is wrong.
 
     Args:
         pairs: the sent values, each with the expected value.

@@ -64,7 +64,7 @@ class Rig:
         has_threads: whether any of the learner's threads were running at the last stop.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. Every method of a rig can raise this, too.
+        Failure: one of the learner's methods raised an exception. Every method of a rig can also raise this.
     """
 
     def __init__(

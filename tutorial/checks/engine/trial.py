@@ -35,7 +35,7 @@ class Trial:
     Args:
         answer: the learner's class or function, or the solution, with or without mistakes in it.
         watched: the files whose code is observed; by default the files that contain the answer.
-        is_timed: whether the total time of all calls to a method is limited, too.
+        is_timed: whether the total time of all calls to a method is also limited.
         kept: objects of earlier trials that later trials can reuse.
 
     Attributes:

@@ -66,7 +66,7 @@ class Viewer:
         shown: the observers' view of the body at each change: its position, and whether its links had followed.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. Every method of a viewer can raise this, too.
+        Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this.
     """
 
     def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
@@ -160,7 +160,7 @@ class Viewer:
         return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))
 
     def _run(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call one of the learner's functions, and keep any failure that it raises."""
+        """Call one of the learner's functions, and store any failure that it raises."""
         try:
             with self.trial.calling(name_of(function)):
                 made = function(*arguments)
@@ -171,7 +171,7 @@ class Viewer:
             self._failures.append(failure)
 
     def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
-        """Keep an error that asyncio reports for code running on the loop."""
+        """Store an error that asyncio reports for code running on the loop."""
         error = context.get("exception") or RuntimeError(context["message"])
         if not isinstance(error, Failure):
             error = self.trial.failure("code on the loop", error)
@@ -189,7 +189,7 @@ class Viewer:
         self._scope.call_latest(key, self._run, function, *arguments)
 
     def _tell(self) -> None:
-        """Raise the first kept failure, or a failure if the learner's code used the body on a different thread."""
+        """Raise the first stored failure, or a failure if the learner's code used the body on a different thread."""
         failures, self._failures = self._failures, []
         noted = self.trial.noted
         for failure in failures[:1]:

@@ -17,12 +17,12 @@ Step = Callable[[Any], str | None]
 POST = "self.call_later(self.update, message)"
 BESIDE = "You probably post from your own timer or thread. Post in the callback, once for each message."
 
-SHARED_BY_VIEWERS = "You probably keep something on the class, which all viewers share. Set it on self, in configure."
-ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure write {}."
+SHARED_BY_VIEWERS = "You probably store something on the class, which all viewers share. Set it on self, in configure."
+ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure, write {}."
 NOT_POSTED = ("You probably drop some messages, for instance every other one, or post no calls at all. "
               "Post a call for each message, {}, and show it.")  # fmt: skip
 MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
-         "After every move of the body call these two, in this order.")  # fmt: skip
+         "After every move of the body, call these two, in this order.")  # fmt: skip
 PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call still runs after the controller has left "
                   "its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
 
@@ -54,7 +54,7 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(*messages: Any) -> Step:
-    """Make a step that observes for how many messages the callback posts a call, without its own timer or thread."""
+    """Make a step that counts the messages for which the callback posts a call. A timer or thread of its own fails."""
 
     def step(viewer: Viewer) -> str:
         before, noted = viewer.loop.posted, viewer.trial.noted
@@ -95,7 +95,7 @@ def viewing(
     Args:
         solution: the right answer.
         topic: the topic of the subscription, without the body's name.
-        message: a message that a right answer finally receives through rclpy's own node.
+        message: a message that a right answer receives at the end, through rclpy's own node.
         arrivals: steps that deliver messages; the last one is made by `hands_over`.
         cases: the exercise's own cases, in order.
         post: the solution's statement that posts a call.
