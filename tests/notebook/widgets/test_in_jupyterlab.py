@@ -307,7 +307,7 @@ async def close_it(page, notebook):
 async def show_it_without_webgl(page, notebook):
     await page.evaluate("HTMLCanvasElement.prototype.getContext = () => null")
     await notebook.run(1)
-    await page.get_by_text("This browser shows no 3D graphics.").wait_for()
+    await page.get_by_text("This browser cannot show 3D graphics.").wait_for()
 
 
 def test_a_notebook_shows_the_scene_late_twice_and_reloaded_until_it_ends(desk):

@@ -8,7 +8,7 @@ const PAUSE = 100;  // between pictures without a graphics card [ms]
 
 /** The title and hint to show if a viewer cannot be made. */
 export const noGraphics = ({message}) =>
-  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. The error was: ${message}`];
+  ["This browser cannot show 3D graphics.", `It has no WebGL, or WebGL is switched off. The error was: ${message}`];
 
 /** Return whether a graphics card draws a canvas. If the browser does not reveal it, assume that it does. */
 function hasCard(gl) {
