@@ -106,7 +106,7 @@ class Pushy:
 FIRST_LOOK = [
     (drive, "Tank", "An object of the class str was passed. Pass the class itself: await drive.check(GentleTank)."),
     (drive, unwritten, "unwritten was passed. Pass the class itself: await drive.check(GentleTank)."),
-    (drive, Pushy, "Pushy does not inherit from SimpleController. Begin it with: class GentleTank(SimpleController):"),
+    (drive, Pushy, "Pushy does not inherit from SimpleController. Define it as: class GentleTank(SimpleController):"),
     (by_name, Pushy, "Pushy was passed. Pass the function itself: await by_name.check(match_by_name)."),
 ]
 

@@ -1,4 +1,4 @@
-"""The exercise `drive`: turn the left stick into the speeds of the tracks.
+"""The exercise `drive`: convert the left stick's position to track speeds.
 
 Write the controller `GentleTank`. It subscribes to the topic `joy` (type `Joy`), without a leading slash, so the topic
 is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R` of `io.body`, with the left
@@ -64,7 +64,7 @@ class GentleTank(SimpleController):
         self.track_r = io.body.actuator("TRACK_R")
 
     def control(self) -> None:
-        """Turn the stick into track speeds [m/s]."""
+        """Convert the stick's position to track speeds [m/s]."""
         axes = four_axes(self.joy.get())
         left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2])
         self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x
@@ -87,7 +87,7 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or you drop its message, so the tank "
+    Mistake("you set no speed while the stick is at rest, or you drop that message, so the tank "
             "keeps its last speed. Set 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
     Mistake("you swap left and right. With the stick to the left, left_x "

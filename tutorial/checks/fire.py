@@ -76,7 +76,7 @@ MISTAKES = [
     Mistake("you don't put False after the release, or you ignore messages in quick succession. Put every state.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
     Mistake("you toggle the value each time the button goes down, "
-            "like a switch. Put whether the button is pressed now.",
+            "like a switch. Put True while the button is pressed.",
             both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),

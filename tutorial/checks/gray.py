@@ -204,7 +204,7 @@ def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
 
 
 def word(data: list[int]) -> str:
-    """Describe bytes: how many they are, and the first six."""
+    """Describe bytes: how many there are, and the first six."""
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 

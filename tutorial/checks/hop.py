@@ -1,4 +1,4 @@
-"""The exercise `hop`: a timer on the main thread, and state that ends with the controller.
+"""The exercise `hop`: a timer on the main thread, and state that lives as long as the controller.
 
 Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, which for the body `Tank` is `Tank/imu`
 (type `Imu`). The node has no namespace, so the topic can also begin with a slash. When a message reports a blow, the
@@ -212,30 +212,30 @@ CASES = [
     Case("after the hop", hopped(blow, land, Hall.where),
          "You probably compute or hard-code the place to land. Restore the position that you stored on the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
-    Case("a second blow, after it has landed and been moved elsewhere", hopped(blow, land, move_it, other_blow, *THEN),
+    Case("a second blow, after the body has landed and been moved", hopped(blow, land, move_it, other_blow, *THEN),
          "You probably keep something from the previous hop. On landing, "
          "set self.timer = None, and store the position on each blow."),
-    Case("a second blow while it is up", hopped(blow, wait, other_blow, *THEN),
-         "You probably ignore it, lift the body again, store its position while it is up, or keep the first timer. "
-         "Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),
+    Case("a second blow while the body is up", hopped(blow, wait, other_blow, *THEN),
+         "You probably ignore the blow, lift the body again, store its position while it is up, or keep the first "
+         "timer. Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),
     Case("the same blow again", hopped(blow, land, blow, Hall.where),
          "You probably skip a message that is identical to the previous one. A second blow can be identical to the "
          "first: post every message."),
-    Case("a harmless message while it is up", hopped(blow, wait, harmless, *THEN),
+    Case("a harmless message while the body is up", hopped(blow, wait, harmless, *THEN),
          "You probably react to a harmless message while the body is up. "
          "First test for a blow: only a blow may touch the timer."),
     Case("a blow and four harmless messages while both threads are busy", hopped(in_a_crowd, Hall.where, Hall.falls),
          "You probably lose messages. Subscribe with a queue depth of 10, "
          "post each message with call_later, and pass it along."),
     Case("the tank and the crane Lift", hopped(side_by_side(blow, Hall.where, land, Hall.where))),
-    Case("after unconfigure while it is up", hopped(blow, wait, Hall.leaves, Hall.left),
+    Case("after unconfigure while the body is up", hopped(blow, wait, Hall.leaves, Hall.left),
          "You probably don't land in unconfigure. Cancel the "
          "timer, put the body back and notify."),
     Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
          "You probably put the body back in unconfigure without calling "
          "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
-    Case("after unconfigure, landed and moved elsewhere", hopped(blow, land, move_it, Hall.leaves), STAYS),
+    Case("after unconfigure, when the body has landed and been moved", hopped(blow, land, move_it, Hall.leaves), STAYS),
     Case("a call waiting when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
 ]  # fmt: skip
 ARRIVALS = harmless, hands_over(imu(*BLOW))

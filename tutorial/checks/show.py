@@ -143,7 +143,7 @@ FIRST = [
          "You probably drop a message because of its stamp. After the publisher "
          "restarts, its stamps are smaller than before, and two messages can have the same stamp."),
     Case("the same message again", steps(repeated), "You probably leave out a message that repeats the positions of "
-         "the previous one. Show every message, and notify after it."),
+         "the previous one. Show every message, and notify after each one."),
     Case("a message that arrives while the body is being drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
          "You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message."),

@@ -35,7 +35,7 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     if isinstance(answer, type) != (base is not None) or not callable(answer):
         return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was passed. {instead}"
     if base is not None and not issubclass(answer, base):
-        return f"{answer.__name__} does not inherit from {base.__name__}. Begin it with: class {name}({base.__name__}):"
+        return f"{answer.__name__} does not inherit from {base.__name__}. Define it as: class {name}({base.__name__}):"
     return ""
 
 

@@ -36,7 +36,7 @@ HALT = 5.0  # [s] without a check after which the watchdog itself counts as bloc
 
 def main() -> NoReturn:
     """Judge the answer, and exit."""
-    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered: each line is one write, so lines of two threads don't mix
+    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered: each line is one write, so lines from two threads don't mix
     os.dup2(2, 1)
     parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - stays open to the end
     module, name, sys.path[:], answer = pickle.load(parent)

@@ -15,7 +15,7 @@ from tutorial.checks.engine.slips import another, missing
 from tutorial.checks.engine.twins import Twins
 from tutorial.errors import TutorialError
 
-LONGEST = 20.0  # [s] limit for trying mistakes, so that the check ends even on a busy machine
+LONGEST = 20.0  # [s] limit on trying mistakes, so that the check ends even on a busy machine
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
 
 

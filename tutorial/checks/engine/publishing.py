@@ -177,8 +177,8 @@ class Publishing:
         """Compare the stamps with the times of sending, with steps of 6 ms."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
         if not sent:
-            cause = f"You probably count from 0, but a run can begin at any step. Publish when {self.when}."
-            raise Failure("control", Misuse("it publishes nothing if the simulation begins at step 1", cause))
+            cause = f"You probably count from 0, but a run can start at any step. Publish when {self.when}."
+            raise Failure("control", Misuse("it publishes nothing if the simulation starts at step 1", cause))
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, trial: Trial, **options: Any) -> Any:

@@ -29,14 +29,14 @@ SECONDS = (
 )
 PARENTHESES = "You probably call it right away, with parentheses. Pass the function itself, then its arguments."
 TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
-COROUTINE = "Write def, not async def. If it has to wait, make it start a task: asyncio.create_task(...)."
+COROUTINE = "Write def, not async def. If it has to wait, have it start a task: asyncio.create_task(...)."
 ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 
 
 class _Guard(ThreadGuard):
     """A guard that raises no exceptions, but records ``"touch"`` if a thread other than the main one uses the body.
 
-    This way the check also sees what the code does next, for example that it posts a method's return value.
+    This way, the check also sees what the code does next, for example that it posts a method's return value.
     """
 
     def __init__(self, name: str, trial: Trial) -> None:
