@@ -1,6 +1,6 @@
 """The exercise `fire`: report whether the joystick's first button is pressed.
 
-Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 of this message is
+Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 in this message is
 pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
 
 - In `message.buttons`, 1 is a pressed button and 0 a released one.

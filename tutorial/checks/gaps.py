@@ -100,7 +100,7 @@ WORDS = 'The only words are "gap" and "restart". A late message is not reported.
 HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
 
-Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]; integers are stored as text, to preserve every digit
+Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]; integers are text, to preserve every digit
 
 
 def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tuple[int, JointState]]:
@@ -139,7 +139,7 @@ def two(trial: Trial) -> Found:
 
 
 def read(returned: Sequence[tuple[Any, ...]]) -> Found:
-    """Convert a result to a form that can be compared.
+    """Convert a result to a comparable form.
 
     Raises:
         Misuse: the result contains something other than gaps and restarts.

@@ -166,7 +166,7 @@ def word(velocity: Iterable[float]) -> str:
 
 
 def marks(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe which fields the last message marks as not measured."""
+    """Observe which fields the last message marks as unmeasured."""
     fields = ("orientation", "angular_velocity", "linear_acceleration")
     marked = [field for field in fields if getattr(sent[-1].message, f"{field}_covariance")[0] == -1]
     return f"-1 marks {' and '.join(marked) or 'nothing'}"

@@ -210,11 +210,11 @@ CASES = [
          "You probably use a different timer or duration, or the function that it calls does not put "
          "the body back. In update, write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "You probably compute or hard-code the place to land. Restore the position that you stored on the blow."),
+         "You probably compute or hard-code the place to land. Restore the position that you stored at the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after the body has landed and been moved", hopped(blow, land, move_it, other_blow, *THEN),
          "You probably keep something from the previous hop. On landing, "
-         "set self.timer = None, and store the position on each blow."),
+         "set self.timer = None, and store the position at each blow."),
     Case("a second blow while the body is up", hopped(blow, wait, other_blow, *THEN),
          "You probably ignore the blow, lift the body again, store its position while it is up, or keep the first "
          "timer. Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),

@@ -3,9 +3,9 @@
 Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body (for the
 tank `Tank/joint_state`), but only changes:
 
-- 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those that
-  it last sent. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the multiples
-  of 1/50 s.
+- 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those
+  that it last sent. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
+  multiples of 1/50 s.
 - The message names these joints, with their positions. If there are none, it sends nothing.
 - The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
   `initialize` is called again, and `io.step` and `io.time_ns` continue: they don't start at 0 again.

@@ -71,7 +71,7 @@ class Trial:
             return function(*arguments)
 
     def ask(self, *given: Any, read: Callable[[Any], Any], wanted: str) -> Any:
-        """Call the answer, a function, and read its result.
+        """Call the answer, which is a function, and read its result.
 
         Args:
             given: the arguments, which the answer must not change.
@@ -79,7 +79,7 @@ class Trial:
             wanted: what the answer should return, as a sentence.
 
         Raises:
-            Failure: the answer raised an exception, returned something unreadable, or changed its arguments.
+            Failure: the answer raised an exception, returned something that `read` rejects, or changed its arguments.
         """
         before = [*map(str, given)]
         with self.calling(name_of(self.answer)):
