@@ -173,7 +173,7 @@ class CameraRenderer:
             request.error = error
             if not request.is_awaited:
                 if self.error is None:
-                    _log.error("a receiver of pictures failed; others continue", exc_info=error)
+                    _log.error("a receiver of pictures failed; other receivers continue", exc_info=error)
                 self.error = error
         request.done.set()
 

@@ -88,4 +88,4 @@ def _row(name: str, slider: Any) -> HBox:
 
 def _words(made: dict[str, int]) -> str:
     hit = ", ".join(f"{name} {count}" for name, count in made.items() if count)
-    return f"messages hit: {hit or 'none'}"
+    return f"affected messages: {hit or 'none'}"

@@ -42,7 +42,7 @@ FAULTS = {
     "duplicate": "a joint appears twice, first with an earlier position",
     "nan": "a position is not a number",
     "infinite": "a position is infinite",
-    "huge": "a position is beyond any range",
+    "huge": "a position is far outside any range",
     "markup": "an extra name contains HTML",
     "control": "an extra name contains control characters or reverses the text direction",
     "short": "fewer positions than names",
@@ -51,7 +51,7 @@ FAULTS = {
     "ahead": "the stamp is up to an hour ahead",
     "restart": "the publisher restarts, and its stamps start at 0 again",
     "drop": "the message is lost",
-    "burst": f"the message is sent {BURST} times at once",
+    "burst": f"the message is sent {BURST} times in a row",
     "second": "a second publisher reports all joints at 0",
 }
 """Descriptions of the faults by name, in the order in which they are applied."""
