@@ -121,7 +121,7 @@ class TestRealTime:
         simulation, before = recorder.simulation, sys.getswitchinterval()
         simulation.start()
         for call, said in (
-            (simulation.start, "running already"),
+            (simulation.start, "already running"),
             (lambda: simulation.advance(1.0), r"Call stop\(\) before advance"),
             (lambda: simulation.advance(-1.0), "time cannot run backwards"),
         ):

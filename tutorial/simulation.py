@@ -175,7 +175,7 @@ class Simulation:
             TutorialError: it is already running.
         """
         with self._turn("start()"):
-            self._check_idle("the simulation is running already. Call stop() first.")
+            self._check_idle("the simulation is already running. Call stop() first.")
             last_step = None if duration is None else self.step + round(duration / self.time_step)
             run = Run.on_own_thread(lambda run: self._main(run, last_step))
             self._begin(run)

@@ -203,7 +203,7 @@ def discovery() -> Diagnosis:
     text = f"{reach}: {RANGES[reach]}"
     mends = [] if reach == "LOCALHOST" else [f"for this machine only: export {RANGE}=LOCALHOST"]
     for name in filter(os.environ.get, BY_HAND):
-        text += f"; {name} is {os.environ[name]!r}, and affects discovery, too"
+        text += f"; {name} is {os.environ[name]!r}, which also affects discovery"
         mends.append(f"if that is not intended: unset {name}")
     return Diagnosis("note" if mends else "ok", text, "; ".join(mends))
 
