@@ -35,7 +35,11 @@ def bag() -> None:
 @click.argument("topics", nargs=-1, metavar="[TOPICS]...")
 @click.option("-a", "--all", "everything", is_flag=True, help="Record all topics, including those that appear later.")
 @click.option(
-    "-o", "--output", type=Path, metavar="NAME", help="Record into this new folder; by default, the name is the time."
+    "-o",
+    "--output",
+    type=Path,
+    metavar="NAME",
+    help="Record into this new folder; by default, into one named after the current time.",
 )
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
@@ -103,7 +107,9 @@ def info(bag: Path) -> None:
     metavar="[HZ]",
     help=f"Publish the bag's time on /clock at this rate; without a number, at {CLOCK_RATE:g} Hz.",
 )
-@click.option("--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Start this far into it.")
+@click.option(
+    "--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Start this far into the bag."
+)
 @click.option("--topics", multiple=True, metavar="TOPIC...", help="Play only these topics; by default, all.")
 @click.pass_obj
 def play(

@@ -54,7 +54,10 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(*messages: Any) -> Step:
-    """Make a step that counts the messages for which the callback posts a call. A timer or thread of its own fails."""
+    """Make a step that counts the messages for which the callback posts a call.
+
+    The step fails if the callback starts its own timer or thread.
+    """
 
     def step(viewer: Viewer) -> str:
         before, noted = viewer.loop.posted, viewer.trial.noted
