@@ -201,7 +201,8 @@ class Body:
         shown = [i for i in ids if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS]
         names = {i: model.joint(i).name.removeprefix(f"{name}/") for i in shown}
         self.joints = tuple(Joint(names[i], model, data, i, guard) for i in shown)
-        self.qpos_slice = _qpos_slice(model, ids)
+        self.qpos_slice = _slice(ids, model.jnt_qposadr, model.nq)
+        self._dof_slice = _slice(ids, model.jnt_dofadr, model.nv)
         self._root = _Root.of(name, model, data, ids)
         self._followers = Followers(model, f"{name}/") if guard else None  # a simulation couples the joints itself
         self._by_name = {joint.name: joint for joint in self.joints}
@@ -323,6 +324,13 @@ class Body:
         mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's velocity is along the world's axes
         return np.concatenate([linear, self._root.velocity[3:]])
 
+    def reset(self) -> None:
+        """Put the body back to where it starts, at rest."""
+        self._check("reset")
+        self.data.qpos[self.qpos_slice] = self.model.qpos0[self.qpos_slice]
+        self.data.qvel[self._dof_slice] = self.data.qacc_warmstart[self._dof_slice] = 0.0
+        mujoco.mj_forward(self.model, self.data)  # for those who read poses and sensors before the next step
+
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
 
@@ -366,9 +374,15 @@ class Body:
             self._guard.check(action)
 
 
-def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:
-    """Return a body's part of ``qpos``. One slice is enough, because MuJoCo numbers a body's joints in sequence."""
-    bounds = [*model.jnt_qposadr.tolist(), model.nq]
+def _slice(joint_ids: Sequence[int], addresses: NDArray[np.int32], size: int) -> slice:
+    """Return a body's part of an array such as ``qpos``. MuJoCo numbers a body's joints in sequence, so one is enough.
+
+    Args:
+        joint_ids: the body's joints.
+        addresses: for each joint of the model, the index of its first element.
+        size: the array's size.
+    """
+    bounds = [*addresses.tolist(), size]
     return slice(bounds[joint_ids[0]], bounds[joint_ids[-1] + 1]) if joint_ids else slice(0, 0)
 
 

@@ -26,6 +26,10 @@ class WrongThreadError(TutorialError):
     """A thread touched something that belongs to a different thread."""
 
 
+class RefusedError(TutorialError):
+    """A request was not carried out; the text says why. See `tutorial.handoff.RequestQueue`."""
+
+
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
     """Return the end of a message about an unknown name: the nearest valid name, and up to thirty valid names.
 

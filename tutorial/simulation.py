@@ -11,7 +11,7 @@ from enum import Enum
 from tutorial.body import Body, FindCamera
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, where
-from tutorial.handoff import Latest
+from tutorial.handoff import NOT_RUNNING, Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
@@ -239,6 +239,7 @@ class Simulation:
         """Go to RUNNING: a run begins."""
         with self._state_lock:
             self.state, self.error, self._step_run = State.RUNNING, None, run
+            self.world.requests.open(run.thread)
 
     def _end(self, run: Run, error: ControllerError | None) -> None:
         """Go to IDLE, or to FAILED after an error. Do nothing if the run was abandoned or never began."""
@@ -248,6 +249,7 @@ class Simulation:
             self.snapshot.put(self.world.snapshot())
             self.error = error or self.error
             self.state = State.FAILED if self.error else State.IDLE
+            self.world.requests.close(f"the simulation has stopped: {self.error}" if self.error else NOT_RUNNING)
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
@@ -264,9 +266,11 @@ class Simulation:
             if stuck.finished.is_set():
                 return
             name, file = stuck.at_work()
-            problem = f"{name} does not return{where(stuck.thread, file)}"
+            request = " or a request" if stuck.controller is None else ""
+            problem = f"{name}{request} does not return{where(stuck.thread, file)}"
             text = f"{problem}. Fix it, then open its program again: this simulation cannot continue."
             self.state, self.error = State.ABANDONED, ControllerError(text)
+            self.world.requests.close(text)
             stuck.abandon()
             if not self._step_run.finished.is_set():
                 self._step_run.abandon()

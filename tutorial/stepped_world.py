@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tutorial.body import Body, FindCamera
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError, describe_error, file_of
+from tutorial.handoff import RequestQueue
 from tutorial.world import Placement, compose
 
 POLL_EVERY = 0.001  # [s] between checks for a run's next lap
@@ -108,6 +109,7 @@ class SteppedWorld:
         data: the model's state, which belongs to the thread that steps.
         time_step: as given.
         bodies: the simulated bodies by name.
+        requests: what other threads have asked for, to be carried out between two steps.
         step: the number of simulated steps.
         initialized: whether the controllers have been initialized, and not dismissed since.
 
@@ -128,6 +130,7 @@ class SteppedWorld:
         self.bodies = {p.name: Body(p.name, self.model, self.data, find_camera=find_camera) for p in placements}
         places = self.bodies | {"": Body("", self.model, self.data)}
         self._controllers = [(each, ControllerIO(places[name], time_step)) for name, each in controllers]
+        self.requests = RequestQueue()
         self.initialized = False
         self.step = 0
 
@@ -165,7 +168,7 @@ class SteppedWorld:
         self.initialized = True
 
     def run_steps(self, run: Run, count: int) -> bool:
-        """Call every controller, then let MuJoCo step, ``count`` times.
+        """Carry out the requests that wait, call every controller, and let MuJoCo step, ``count`` times.
 
         Returns:
             True after all steps; False if the run had to end earlier.
@@ -177,6 +180,7 @@ class SteppedWorld:
         run.laps += 1
         try:
             for _ in range(count):
+                self.requests.run_waiting()
                 if run.stopping.is_set():
                     return False
                 for controller, io in self._controllers:

@@ -17,7 +17,7 @@ from loops import TIMEOUT, in_a_loop, until
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError
+from tutorial.errors import RefusedError, TutorialError
 from tutorial.program.host import Host
 from tutorial.program.project import BodyItem, Project
 from tutorial.ros.node_thread import NodeThread
@@ -177,6 +177,26 @@ async def test_a_body_can_be_removed_and_added_while_messages_arrive(step3, capl
         assert not run.done()
         run.cancel()
     assert not [each for each in caplog.records if each.levelno >= logging.ERROR], caplog.text
+
+
+class Asking(SimpleController):
+    def configure(self, config):
+        Asking.ask = config.ask
+
+
+@in_a_loop
+async def test_requests_are_refused_when_their_controller_leaves(step2, step3):
+    async with Host(step3.with_controllers("Tank", Asking)):
+        with pytest.raises(RefusedError, match="there is no simulation here"):
+            Asking.ask(print)
+    async with Host(step2.with_controllers("Tank", Asking)) as host:
+        with pytest.raises(RefusedError, match="is not running"):
+            Asking.ask(print)
+        host.simulation.start()
+        assert Asking.ask(divmod, 7, 2) == (3, 1)
+        host.remove("Tank")
+        with pytest.raises(RefusedError, match=r"Asking of Tank has left the program\."):
+            Asking.ask(print)
 
 
 class Unfit(SimpleController):

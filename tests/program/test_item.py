@@ -25,7 +25,7 @@ def nodes():
 
 @pytest.fixture
 def item(nodes):
-    return Item(TANK, SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+    return Item(TANK, SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None, None)
 
 
 @pytest.fixture
@@ -160,7 +160,7 @@ LINKED = """
 def test_followers_are_not_stale(tmp_path, clock, caplog, nodes, equality, said):
     path = tmp_path / "hand.xml"
     path.write_text(LINKED.replace("EQUALITY", equality))
-    hand = Item(Placement("Hand", path), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+    hand = Item(Placement("Hand", path), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None, None)
     positions, report = JointMatcher(hand.body.joint_ranges).match(JointState(name=["A"], position=[0.5]))
     hand.body.set_joint_positions(positions)
     hand.body.notify_change(report)

@@ -196,6 +196,16 @@ def test_an_interrupted_close_can_be_continued(thread, monkeypatch):
     assert not thread._context.ok()
 
 
+def test_after_stop_no_callback_runs(thread):
+    calls = Mock()
+    thread.node.create_timer(0.001, calls)
+    until(lambda: calls.call_count, "a call")
+    thread.stop()
+    thread.stop()
+    assert not thread._thread.is_alive()
+    assert thread.node.get_name()
+
+
 def test_a_repeated_error_is_logged_now_and_then(node, caplog, monkeypatch):
     monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", TIMEOUT)
     fail = Mock(side_effect=ValueError)

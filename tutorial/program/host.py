@@ -7,12 +7,12 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractAsyncContextManager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, TypeVarTuple
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean
-from tutorial.handoff import CallQueue
+from tutorial.errors import RefusedError, TutorialError, did_you_mean
+from tutorial.handoff import PATIENCE, CallQueue
 from tutorial.program.frame import draw_frame
 from tutorial.program.item import Item
 from tutorial.program.neighbours import Neighbours
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from tutorial.view.bodies import View
 
 CLOSED = "this program is closed. Open it again."
+NO_SIMULATION = "there is no simulation here, or not yet. A program simulates if its project has a 'simulator'."
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
 
 _log = logging.getLogger(__name__)
 
@@ -173,6 +177,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         """
         if name not in self._items:
             raise TutorialError(f"there is no body {name!r}.{did_you_mean(name, self._items)}")
+        self._items[name].drop_calls()  # first, so that no request is carried out after its controller has stopped
         try:
             if self.simulation is not None and self.simulation.state is not State.ABANDONED:
                 self.simulation.release(name)
@@ -190,6 +195,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.simulation.stop()
         finally:
             self._cameras.close()
+            self._ros.stop()  # a callback whose request was refused first sends its response
             for item in self._items.values():
                 item.close()
             self._calls.close()
@@ -243,13 +249,19 @@ class Host(AbstractAsyncContextManager["Host"]):
     def _add(self, entry: BodyItem, simulates: bool) -> None:
         """Add a body to the program and its view, and have its controllers join it."""
         name = entry.placement.name
-        item = self._items[name] = Item(entry.placement, self.node, self._calls)
+        item = self._items[name] = Item(entry.placement, self.node, self._calls, self._ask)
         if self._view is not None:
             self._view.add(name, item.body.model)
         for controller in entry.controllers:
             item.attach(controller)
             if not simulates and controller.control is not SimpleController.control:
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
+
+    def _ask(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = PATIENCE) -> T:
+        """Have the simulation's thread run a function. Controllers join their bodies before there is a simulation."""
+        if self.simulation is None:
+            raise RefusedError(NO_SIMULATION)
+        return self.simulation.world.requests.ask(function, *args, timeout=timeout)
 
     def _begin_run(self, duration: float | None, linger: float) -> SimulatedRun | DisplayedRun:
         if self.simulation is None:

@@ -3,11 +3,14 @@
 import logging
 import time
 from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar, TypeVarTuple
 
 from tutorial.body import Body
-from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.errors import TutorialError, describe_error, file_of, printable
-from tutorial.handoff import CallQueue, CallScope
+from tutorial.controller import Ask, ControllerConfig, SimpleController
+from tutorial.errors import RefusedError, TutorialError, describe_error, file_of, printable
+from tutorial.handoff import PATIENCE, CallQueue, CallScope
 from tutorial.joints import Arrival, JointReport
 from tutorial.model.couplings import not_computed
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
@@ -18,6 +21,9 @@ STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as
 CONTESTED_FOR = 2.0  # [s] that the line below the view keeps naming a rival after its last message
 NAMED = 3  # number of stale joints or nodes to name; any others are only counted
 LONGEST_NAME = 60  # maximum number of characters of a node's name to show
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
 
 _log = logging.getLogger(__name__)
 
@@ -133,6 +139,22 @@ class JointWatch:
                     _log.warning("%s: %s", self._body.name, self._publishers)
 
 
+@dataclass(frozen=True)
+class _ScopedAsk:
+    """A controller's access to the simulation's thread: `ControllerConfig.ask`, until its scope is closed."""
+
+    scope: CallScope
+    ask: Ask
+
+    def __call__(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = PATIENCE) -> T:
+        def run() -> T:
+            if self.scope.closed:
+                raise RefusedError(f"{self.scope.owner} has left the program.")
+            return function(*args)
+
+        return self.ask(run, timeout=timeout)
+
+
 class Item:
     """A displayed body with its controllers. It belongs to the main thread.
 
@@ -140,6 +162,7 @@ class Item:
         placement: the body's name and model.
         node: the node that its controllers use.
         calls: the main thread's queue of posted calls.
+        ask: has the simulation's thread run a function, see `ControllerConfig`.
 
     Attributes:
         body: the displayed body.
@@ -151,7 +174,7 @@ class Item:
         TutorialError: the model cannot be loaded.
     """
 
-    def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue) -> None:
+    def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue, ask: Ask) -> None:
         self.body = Body.displayed(placement)
         self.controllers: list[SimpleController] = []
         self.body.on_change(self._mark_dirty)
@@ -159,6 +182,7 @@ class Item:
         self.failed = False
         self._node = node
         self._calls = calls
+        self._ask = ask
         self._scopes: list[CallScope] = []
         self._dirty = True
 
@@ -174,7 +198,8 @@ class Item:
         self._scopes.append(scope)  # first, so that the calls of a controller that fails to join are dropped
         try:
             controller = controller_class()
-            controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
+            ask = _ScopedAsk(scope, self._ask)
+            controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest, ask))
         except (Exception, SystemExit) as error:
             text = f"{name} could not join {self.body.name}: {describe_error(error, file_of(controller_class))}"
             raise TutorialError(text) from error
@@ -186,10 +211,14 @@ class Item:
         dirty, self._dirty = self._dirty, False
         return dirty
 
-    def close(self) -> None:
-        """Drop the controllers' waiting calls, then have the controllers leave the body."""
+    def drop_calls(self) -> None:
+        """Drop the controllers' waiting calls, and refuse their requests. Idempotent."""
         for scope in self._scopes:
             scope.close()
+
+    def close(self) -> None:
+        """Drop the controllers' calls and requests, then have the controllers leave the body."""
+        self.drop_calls()
         while self.controllers:
             controller = self.controllers.pop(0)
             try:

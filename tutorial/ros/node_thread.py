@@ -204,6 +204,7 @@ class SpinThread(Generic[AnyNode]):
             self._context.try_shutdown()
             raise
         self._stopping = threading.Event()
+        self._waited = False  # for the running callback, in `stop`
         self._failure: list[str] = []  # text of the last logged failure
         self._failed_at = 0.0
         self._unsaid = 0
@@ -217,6 +218,13 @@ class SpinThread(Generic[AnyNode]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def stop(self) -> None:
+        """Run no more callbacks, and wait for the running one to return, but not forever. Idempotent."""
+        self._stopping.set()
+        if not self._waited:
+            self._thread.join(self.timeout)
+            self._waited = True
+
     def close(self) -> None:
         """Stop the thread, then shut down the executor, destroy the node and shut down the context. Idempotent.
 
@@ -225,8 +233,7 @@ class SpinThread(Generic[AnyNode]):
         """
         if self not in self.alive:
             return
-        self._stopping.set()
-        self._thread.join(self.timeout)
+        self.stop()
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
             threading.Thread(target=self._leave, name="leaving", daemon=True).start()
