@@ -67,11 +67,18 @@ def test_a_fleet_is_a_square_around_its_position(write):
     assert project.with_controllers("Tank_3").tree().splitlines() == without
 
 
-def test_every_controller_file_has_the_controller_of_its_name():
-    names = controller_names()
-    assert {"TankController", "JointStatePublisher", "JointStateSubscriber"} <= set(names)
-    for name in names:
+def test_every_controller_file_has_the_controller_of_its_name(backend):
+    names = set(controller_names())
+    assert {"TankController", "JointStatePublisher", "JointStateSubscriber"} <= names
+    for name in names - ({"TankServer"} if backend == "pocket" else set()):
         assert find_controller(name).__name__ == name
+
+
+@pytest.mark.pocket
+def test_a_project_that_needs_services_says_how_to_get_them():
+    said = r"step10\.yaml, line \d+: TankServer needs a real ROS 2, because .* Use it with export TUTORIAL_ROS=rclpy"
+    with pytest.raises(TutorialError, match=said):
+        Project.load(find_project("step10"))
 
 
 @pytest.mark.parametrize(

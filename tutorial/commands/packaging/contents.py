@@ -148,7 +148,10 @@ def _project_for(name: str) -> Project:
     """
     known: set[str] = set()
     for path in sorted((HOME / "project").glob("step*.yaml"), key=lambda path: (len(path.stem), path.stem)):
-        project = Project.load(path)
+        try:
+            project = Project.load(path)
+        except TutorialError:  # step 10 needs a real ROS 2, and so does a TankServer of the user's own
+            continue
         names = {each.__name__ for item in project.bodies for each in item.controllers}
         if name in names:
             return project
