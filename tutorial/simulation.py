@@ -266,8 +266,7 @@ class Simulation:
             if stuck.finished.is_set():
                 return
             name, file = stuck.at_work()
-            request = " or a request" if stuck.controller is None else ""
-            problem = f"{name}{request} does not return{where(stuck.thread, file)}"
+            problem = f"{name}{' or a request' * (stuck.controller is None)} does not return{where(stuck.thread, file)}"
             text = f"{problem}. Fix it, then open its program again: this simulation cannot continue."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             self.world.requests.close(text)

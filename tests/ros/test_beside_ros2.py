@@ -25,6 +25,7 @@ from sensor_msgs.msg import JointState
 from tutorial.ros.bags import Bag, Player, Recorder, bag_info
 from tutorial.ros.domains import reserved_domain
 from tutorial.ros.node_thread import NodeThread
+from tutorial.ros.wheels import folder
 
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
 JOINTS, JOY = "/Tank/joint_state", "/joy"
@@ -181,6 +182,59 @@ def test_packages_run_and_launch_on_a_real_ros_2(rmw, tmp_path):
         launched.communicate(timeout=TIMEOUT)
         assert launched.returncode == 0
 
+
+TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/SetBool"
+ASKED = [
+    ("service", "list", "-t"),
+    ("service", "type", "/Tank/reset"),
+    ("service", "call", "/Tank/reset", TRIGGER),
+    ("service", "call", "/Tank/set_motors", SET_BOOL, "{data: true}"),
+    ("service", "call", "/Tank/set_motors", SET_BOOL, "{dat: 1}"),
+    ("service", "call", "/Tank/set_motors", JOINT_STATE),
+    ("param", "list"),
+    ("param", "list", "/tank"),
+    ("param", "get", "/tank", "Tank.p_gain"),
+    ("param", "get", "/tank", "nope"),
+    ("param", "set", "/tank", "Tank.d_gain", "5.0"),
+    ("param", "set", "/tank", "Tank.d_gain", "60"),
+    ("param", "set", "/tank", "Tank.d_gain", "60.0"),
+    ("param", "set", "/tank", "nope", "1"),
+    ("param", "describe", "/tank", "Tank.d_gain", "use_sim_time"),
+    ("param", "dump", "tank"),
+    ("param", "dump", "/nope"),
+]
+
+
+@pytest.fixture(params=["the real one", "the wheels"])
+def answering(request, rmw):
+    """Step 10's running simulation on a real ROS 2, the commands of ``ros2``, and those of ``tank``."""
+    if request.param == "the real one":
+        tank, variables = [*REAL, TANK], {}
+    elif rmw == folder.RMW and folder.state() == "installed":
+        tank, variables = [TANK], {"TUTORIAL_ROS": "rclpy"}
+    else:
+        pytest.skip(f"there are no wheels with {rmw} here: see make ros")
+    with running(rmw, [*tank, "run", "step10", "--headless"], [*REAL, "ros2"], **variables) as beside:
+        beside.says("/Tank/set_motors", "service", "list")
+        beside.says("/tank", "node", "list")
+        yield beside, Beside(beside.simulation, tank, beside.environment)
+
+
+def test_services_and_parameters_are_printed_as_by_ros2(answering, tmp_path):
+    ros2, tank = answering
+    for command in ASKED:
+        theirs, ours = (each.run(*command) for each in answering)
+        for said in ("stdout", "stderr", "returncode"):
+            wanted = getattr(theirs, said)
+            assert getattr(ours, said) == (wanted.replace(WAITING, "") if said == "stdout" else wanted), command
+    dumped = tmp_path / "tank.yaml"
+    dumped.write_text(tank.say("param", "dump", "/tank").replace("p_gain: 200.0", "p_gain: 300.0"))
+    assert "Set parameter Tank.p_gain successful" in ros2.say("param", "load", "/tank", str(dumped))
+    assert ros2.say("param", "get", "/tank", "Tank.p_gain") == "Double value is: 300.0\n"
+
+
+WAITING = "waiting for service to become available...\n"
+"""What ``ros2 service call`` prints if its new node has not found the service at once; ``tank`` waits a moment."""
 
 COUNT = 100
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)

@@ -22,6 +22,7 @@ from tutorial.commands.check import check
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
 from tutorial.commands.ros import ros
+from tutorial.commands.service import param, service
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
 from tutorial.commands.topic import node, topic
 from tutorial.errors import TutorialError, printable
@@ -223,7 +224,7 @@ def urdf(model: str) -> None:
     print_text(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
 
 
-for command in (bag, chaos, check, node, package, ros, topic):
+for command in (bag, chaos, check, node, package, param, ros, service, topic):
     tank.add_command(command)
 
 

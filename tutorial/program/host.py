@@ -7,7 +7,7 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractAsyncContextManager
-from typing import TYPE_CHECKING, Any, TypeVar, TypeVarTuple
+from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 
 CLOSED = "this program is closed. Open it again."
 NO_SIMULATION = "there is no simulation here, or not yet. A program simulates if its project has a 'simulator'."
-
-T = TypeVar("T")
-Ts = TypeVarTuple("Ts")
 
 _log = logging.getLogger(__name__)
 
@@ -182,7 +179,8 @@ class Host(AbstractAsyncContextManager["Host"]):
             if self.simulation is not None and self.simulation.state is not State.ABANDONED:
                 self.simulation.release(name)
         finally:
-            self._items.pop(name).close()
+            with self._ros.paused():  # as in `close`
+                self._items.pop(name).close()
             self.forget_errors()
             if self._view is not None:
                 self._view.remove(name)
@@ -195,9 +193,9 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.simulation.stop()
         finally:
             self._cameras.close()
-            self._ros.stop()  # a callback whose request was refused first sends its response
-            for item in self._items.values():
-                item.close()
+            with self._ros.paused():  # a callback whose request was refused first sends its response
+                for item in self._items.values():
+                    item.close()
             self._calls.close()
             self._ros.close()
 
@@ -257,7 +255,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             if not simulates and controller.control is not SimpleController.control:
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
 
-    def _ask(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = PATIENCE) -> T:
+    def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
         """Have the simulation's thread run a function. Controllers join their bodies before there is a simulation."""
         if self.simulation is None:
             raise RefusedError(NO_SIMULATION)

@@ -4,8 +4,7 @@ import logging
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeVar, TypeVarTuple
+from typing import Any
 
 from tutorial.body import Body
 from tutorial.controller import Ask, ControllerConfig, SimpleController
@@ -21,9 +20,6 @@ STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as
 CONTESTED_FOR = 2.0  # [s] that the line below the view keeps naming a rival after its last message
 NAMED = 3  # number of stale joints or nodes to name; any others are only counted
 LONGEST_NAME = 60  # maximum number of characters of a node's name to show
-
-T = TypeVar("T")
-Ts = TypeVarTuple("Ts")
 
 _log = logging.getLogger(__name__)
 
@@ -139,22 +135,6 @@ class JointWatch:
                     _log.warning("%s: %s", self._body.name, self._publishers)
 
 
-@dataclass(frozen=True)
-class _ScopedAsk:
-    """A controller's access to the simulation's thread: `ControllerConfig.ask`, until its scope is closed."""
-
-    scope: CallScope
-    ask: Ask
-
-    def __call__(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = PATIENCE) -> T:
-        def run() -> T:
-            if self.scope.closed:
-                raise RefusedError(f"{self.scope.owner} has left the program.")
-            return function(*args)
-
-        return self.ask(run, timeout=timeout)
-
-
 class Item:
     """A displayed body with its controllers. It belongs to the main thread.
 
@@ -198,7 +178,7 @@ class Item:
         self._scopes.append(scope)  # first, so that the calls of a controller that fails to join are dropped
         try:
             controller = controller_class()
-            ask = _ScopedAsk(scope, self._ask)
+            ask = _until_closed(scope, self._ask)
             controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest, ask))
         except (Exception, SystemExit) as error:
             text = f"{name} could not join {self.body.name}: {describe_error(error, file_of(controller_class))}"
@@ -229,6 +209,20 @@ class Item:
 
     def _mark_dirty(self, _: JointReport | None) -> None:
         self._dirty = True
+
+
+def _until_closed(scope: CallScope, ask: Ask) -> Ask:
+    """Return a controller's `ask`: once its scope is closed, nothing that it has asked for is carried out."""
+
+    def run(function: Callable[..., Any], *args: object) -> Any:
+        if scope.closed:
+            raise RefusedError(f"{scope.owner} has left the program.")
+        return function(*args)
+
+    def ask_until_closed(function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
+        return ask(run, function, *args, timeout=timeout)
+
+    return ask_until_closed
 
 
 def _some(names: list[str]) -> str:

@@ -59,6 +59,16 @@ def real_ros_needed(what: str) -> TutorialError:
     return TutorialError(f"{what} needs a real ROS 2, because the pocket one has only topics.{get} {use}")
 
 
+def need_real_ros(what: str) -> None:
+    """Raise the error of `real_ros_needed` if this process uses the pocket ROS 2.
+
+    Raises:
+        TutorialError: it does.
+    """
+    if ros_backend() == "pocket":
+        raise real_ros_needed(what)
+
+
 def promise() -> None:
     """Make ``import rclpy`` work, or make it raise an error that explains the problem.
 
