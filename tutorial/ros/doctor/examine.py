@@ -32,7 +32,7 @@ async def examine(
 
     Args:
         topic: the topic's name.
-        make_node: returns the node that subscribes; its thread must spin.
+        make_node: returns the node that subscribes; it must be spinning on another thread.
         joints: the names of the viewer's joints; see `tutorial.ros.doctor.observe.observe`.
         domains: the other domains to search if nobody publishes the topic.
 

@@ -20,7 +20,7 @@ from tutorial.ros.wheels.folder import RANGE
 
 FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports of each domain."""
-COMMAND = 60  # the number of characters of a program's command that are shown
+COMMAND = 60  # how many characters of a program's command the doctor shows
 EPHEMERAL = 32768  # from this port on, the system gives ports to any program
 FIRST_UNICAST = 10  # from this port of a domain on, every second one belongs to a participant
 

@@ -41,7 +41,9 @@ ALONE_AFTER = 1.0  # [s] without a publisher; then the other domains are searche
 READ_EVERY = 0.1  # [s] between two reads of the graph
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CLOCK = "/clock"
-KEPT_FOR = 2.0  # [s] within which kept messages arrive; later, an old stamp only shows that another clock is behind
+# [s] how long messages that were sent earlier, and kept by their publisher, may still arrive; after that, an old stamp
+# only shows that another clock is behind
+KEPT_FOR = 2.0
 MATCHED = 1000  # maximum number of joint states that are matched
 TOPICS = 300  # maximum number of topics that are compared
 FOREVER = 2**62  # [ns]; longer durations mean that there is no limit
@@ -56,7 +58,7 @@ async def observe(
     """Collect the facts about a topic.
 
     Args:
-        node: the node that subscribes; its thread must spin.
+        node: the node that subscribes; it must be spinning on another thread.
         topic: the topic's full name.
         joints: for joint states, the names of the joints that the viewer has; None for those of the tank on its own
             topic, and on others for those of the first message.
@@ -148,7 +150,7 @@ class _Elsewhere(ExitStack):
         self._nodes: dict[int, Node] = {}
 
     def search(self) -> None:
-        """Join the domains, at the first call."""
+        """Join the domains on the first call; later calls do nothing."""
         if self.searched:
             return
         self.searched = True
