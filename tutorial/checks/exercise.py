@@ -31,7 +31,8 @@ class Exercise:
     """One exercise of a notebook.
 
     Args:
-        name: the name of the exercise and its module. The answer needs a different name, or it would hide the exercise.
+        name: the name of the exercise and its module. The answer must have a different name; otherwise it
+            would shadow the exercise.
         text: the module's docstring: a title; the statement, which becomes the exercise's docstring; and paragraphs
             that begin with ``Hint 1: `` (what to look at), ``Hint 2: `` (how it is done), ``Hint 3: `` (nearly the
             code), and ``Notice`` (about a right answer).

@@ -56,7 +56,7 @@ class GrayPublisher(SimpleController):
     """Publish what the camera sees in gray at 5 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Create the publisher, on a topic named after the body."""
+        """Create the publisher on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(Image, f"{config.body.name}/camera/gray", 1)
 

@@ -77,7 +77,7 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def states(*messages: tuple[str, Sequence[float]]) -> Step:
-    """Make a step in which messages arrive, each 20 ms after the previous one, and the posted calls run."""
+    """Make a step that delivers messages, stamped 20 ms apart, and runs the calls that they post."""
     return heard(*[joint_state(*each, 100_200 + 20 * i) for i, each in enumerate(messages)])
 
 

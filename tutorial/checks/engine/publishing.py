@@ -113,7 +113,7 @@ class Publishing:
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
     def play(self, trial: Trial, seconds: float, ms: float = 10, begins: Sequence[int] = (0, 1), **options: Any) -> Any:
-        """Simulate with time steps in milliseconds, and return the rig.
+        """Simulate for `seconds`, with time steps of `ms` milliseconds, and return the rig.
 
         If the first message is not sent at step 0, repeat the simulation from step 1: then an answer that counts steps
         sends at the same steps as the solution.
