@@ -247,7 +247,9 @@ class Body:
 
     @property
     def followers(self) -> frozenset[str]:
-        """The coupled joints that still follow other joints, because `set_joint_positions` has never named them."""
+        """The coupled joints that still follow other joints because they have never been passed to
+        `set_joint_positions`.
+        """
         return self._followers.names if self._followers else frozenset()
 
     def joint(self, name: str) -> Joint:

@@ -36,7 +36,7 @@ Ts = TypeVarTuple("Ts")
 
 CROWD = 1000  # waiting calls; a warning is logged if there are more
 LONG_WAIT = 10.0  # [s]; a warning is logged if a call waits longer
-PATIENCE = 1.0  # [s] that a request waits for its answer; a step takes a few milliseconds
+PATIENCE = 1.0  # [s] how long a request waits for its answer; a step takes a few milliseconds
 NOT_RUNNING = "the simulation is not running. Start it, and ask again."
 BUSY = (
     "the main thread is too busy for the calls posted to it: %d waiting, the first for %.1f s. Do less in each call; "

@@ -18,7 +18,7 @@ from tutorial.system.paths import find_project
 
 NAMES = {Trigger: "reset", SetBool: "set_motors"}
 DEPTH = 10
-"""How many requests wait in a service's queue at most. The oldest is lost if there are more."""
+"""The maximum number of requests in a service's queue. If there are more, the oldest is lost."""
 NOT_RUNNING = (False, "the simulation is not running. Start it, and ask again.")
 
 

@@ -36,7 +36,7 @@ class ScriptedDrive:
     """A drive scripted in a YAML file: a list of times, each with the axes from then on.
 
     Args:
-        path: the file. With ``repeat: true`` the drive starts again at the time of its last entry.
+        path: the file. With ``repeat: true`` the drive restarts at the time of its last entry.
 
     Raises:
         TutorialError: the file is missing or malformed; the error gives the line and a fix.

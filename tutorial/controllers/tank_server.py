@@ -65,7 +65,7 @@ class TankServer(TankController):
         self.gains.put(self.tuned(parameters))
 
     def tuned(self, parameters: Sequence[Parameter]) -> dict[str, float]:
-        """Return all gains, with those that are being set. The list may contain parameters of others."""
+        """Return all gains, with those that are being set. The list can also contain other parameters."""
         new = {parameter.name: parameter.value for parameter in parameters}
         return {name: new.get(name, value) for name, value in self.gains.get().items()}
 

@@ -9,7 +9,7 @@ from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import listening, listing
 from tutorial.system.printing import print_text, print_texts
 
-TIMEOUT = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
+TIMEOUT = 10.0  # [s] how long `topic_echo` and `topic_hz` wait for a message
 REPORTS = 2  # the number of reports that `topic_hz` prints
 
 

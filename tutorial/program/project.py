@@ -56,7 +56,7 @@ class BodyItem:
 
     Attributes:
         placement: the model, and its position.
-        controllers: the classes of its controllers, in the order in which they run.
+        controllers: the classes of its controllers, in the order they run.
     """
 
     placement: Placement
@@ -122,11 +122,11 @@ class Project:
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Return a project in which a body has these controllers instead of the ones that the file names.
+        """Return a project that gives a body these controllers instead of the ones that the file names.
 
         Args:
             body: the body's name.
-            classes: the classes of its controllers, in the order in which they run; may be empty.
+            classes: the classes of its controllers, in the order they run; can be empty.
 
         Raises:
             TutorialError: there is no such body, or an argument is not a controller's class.
@@ -140,7 +140,7 @@ class Project:
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Return a project in which a user's controllers replace the ones with the same names.
+        """Return a project with a user's controllers in place of the ones with the same names.
 
         Args:
             classes: the classes by name. Base classes of other classes can have any name.

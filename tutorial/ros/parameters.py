@@ -19,7 +19,7 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import node_names
 from tutorial.ros.topics.names import escape_name
 
-PATIENCE = 5.0  # [s] for a node's services to appear, as in ros2
+PATIENCE = 5.0  # [s] how long a node's services can take to appear, as in ros2
 
 NAMES = (
     *("not set", "boolean", "integer", "double", "string"),
@@ -38,7 +38,7 @@ async def param_list(node: Node, target: str | None = None) -> str:
     """List the parameters of a node, or of all nodes except hidden ones, like ``ros2 param list``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that asks; it must be spinning on another thread.
         target: the name of the node that has the parameters; None for all nodes.
 
     Raises:
@@ -63,7 +63,7 @@ async def param_get(node: Node, target: str, name: str) -> str:
     """Return the value of a parameter, like ``ros2 param get``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that asks; it must be spinning on another thread.
         target: the name of the node that has the parameter.
         name: the parameter's name.
 
@@ -81,7 +81,7 @@ async def param_set(node: Node, target: str, name: str, value: str) -> tuple[boo
     """Set a parameter, like ``ros2 param set``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that asks; it must be spinning on another thread.
         target: the name of the node that has the parameter.
         name: the parameter's name.
         value: the value in YAML. A number without a decimal point is an integer.
@@ -103,7 +103,7 @@ async def param_describe(node: Node, target: str, names: Sequence[str]) -> str:
     """Describe parameters, like ``ros2 param describe``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that asks; it must be spinning on another thread.
         target: the name of the node that has the parameters.
         names: the parameters' names.
 
@@ -118,7 +118,7 @@ async def param_dump(node: Node, target: str) -> str:
     """Return all parameters of a node in YAML, like ``ros2 param dump``; a program reads them with ``--params-file``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that asks; it must be spinning on another thread.
         target: the name of the node that has the parameters.
 
     Raises:

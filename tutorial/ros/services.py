@@ -30,7 +30,7 @@ async def service_list(node: Node, show_types: bool = False) -> str:
     """List the services, like ``ros2 service list``; first wait until the graph is known.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         show_types: add each service's type, as with ``-t``.
 
     Returns:
@@ -52,7 +52,7 @@ async def service_type(node: Node, service: str) -> str:
     """Return the types of a service, like ``ros2 service type``, one in each line; wait briefly for the service.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         service: its full name.
 
     Raises:
@@ -72,7 +72,7 @@ async def service_call(
     """Call a service, like ``ros2 service call``; if it is not there, wait for it.
 
     Args:
-        node: the node that calls; its thread must spin.
+        node: the node that calls; it must be spinning on another thread.
         service: the service's name.
         type_name: its type, such as ``"std_srvs/srv/Trigger"``.
         values: the fields of the request in YAML.

@@ -44,8 +44,8 @@ CLOCK = "/clock"
 # [s] how long messages that were sent earlier, and kept by their publisher, may still arrive; after that, an old stamp
 # only shows that another clock is behind
 KEPT_FOR = 2.0
-MATCHED = 1000  # maximum number of joint states that are matched
-TOPICS = 300  # maximum number of topics that are compared
+MATCHED = 1000  # maximum number of joint states to match
+TOPICS = 300  # maximum number of topics to compare
 FOREVER = 2**62  # [ns]; longer durations mean that there is no limit
 
 

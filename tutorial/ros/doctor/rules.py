@@ -439,7 +439,7 @@ RULES: dict[str, Rule] = {
         "discovery is switched off",
         _range,
         "A program whose discovery range is OFF finds no other program, not even on the same machine.",
-        "Unset the variable, or set it to LOCALHOST, and start the program again.",
+        "Unset the variable, or set it to LOCALHOST, and restart the program.",
         command="export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST",
         look="printenv ROS_AUTOMATIC_DISCOVERY_RANGE",
     ),

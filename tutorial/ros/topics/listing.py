@@ -40,7 +40,7 @@ async def topic_list(node: Node, show_types: bool = False) -> str:
     """List the topics, like ``ros2 topic list``, without hidden ones; first wait until the graph is known.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         show_types: add each topic's type, as with ``-t``.
 
     Returns:
@@ -58,7 +58,7 @@ async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
     """Describe a topic's publishers and subscriptions, like ``ros2 topic info``; wait briefly for the topic.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         topic: its full name.
         verbose: describe each publisher and subscription with its QoS, as with ``-v``.
 
