@@ -75,7 +75,7 @@ class CallQueue:
 
     The first call in an empty queue requests a turn of the event loop with `call_soon_threadsafe`. A turn runs only the
     calls that were waiting when it began, so that calls that post calls cannot block the loop. A warning is logged once
-    if many calls wait, or if one waits too long.
+    if many calls are waiting, or if one waits too long.
 
     Args:
         loop: the main thread's loop.
@@ -133,7 +133,7 @@ class CallQueue:
         return True
 
     def _warn_if_busy(self) -> None:
-        """Warn once if many calls wait, or if one has waited too long. Thread-safe."""
+        """Warn once if many calls are waiting, or if one has waited too long. Thread-safe."""
         with self._lock:
             if self._warned or not self._waiting:
                 return

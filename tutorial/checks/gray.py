@@ -212,7 +212,7 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "time_ns")
 
 
 def stamps(trial: Trial, **options: Any) -> Any:
-    """Compare the stamps with the times of the requests, with steps of 7 ms."""
+    """Compare the stamps with the times of the requests, using steps of 7 ms."""
     rig = PUBLISHING.play(trial, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
         return f"{len(rig.orders)} of 8 pictures are requested"

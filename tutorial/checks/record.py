@@ -274,8 +274,8 @@ CASES = [
     Case("messages arrive one by one", tried(coming=[A, B, None]),
          "You probably continue after None, or change an entry: take one, exit the loop if it is None, "
          "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
-    Case("three messages wait in the queue", tried(A, B, C)),
-    Case("identical messages wait in the queue", tried(A, B, B, (9, b"A")),
+    Case("three messages are waiting in the queue", tried(A, B, C)),
+    Case("identical messages are waiting in the queue", tried(A, B, B, (9, b"A")),
          "You probably leave out a message that is identical to an earlier one. "
          "Write every entry: a repeated message is still a message."),
     Case("a message arrives just as the recorder stops listening", tried(A, coming=[B]),

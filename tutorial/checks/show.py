@@ -82,7 +82,7 @@ def states(*messages: tuple[str, Sequence[float]]) -> Step:
 
 
 def wait_together(viewer: Viewer) -> str:
-    """Observe the joints after five messages whose calls wait at the same time."""
+    """Observe the joints after five messages whose calls are waiting at the same time."""
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()
@@ -159,7 +159,7 @@ SWAPPED = joint_state("P Y", (0.2, 0.1))
 ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
     *FIRST,
-    Case("five messages whose calls wait at the same time", steps(wait_together),
+    Case("five messages whose calls are waiting at the same time", steps(wait_together),
          "You probably lose messages, or change their order. Post one call "
          "for each message, with call_later, and pass the message along."),
     *LAST,

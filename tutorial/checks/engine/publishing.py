@@ -174,7 +174,7 @@ class Publishing:
         return len(steps) > 3 and steps[0] - rig.begun <= exact + 2 and (late <= 1 or is_even)
 
     def stamps(self, trial: Trial) -> Any:
-        """Compare the stamps with the times of sending, with steps of 6 ms."""
+        """Compare each stamp with the time when its message was sent, using steps of 6 ms."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
         if not sent:
             cause = f"You probably count from 0, but a run can start at any step. Publish when {self.when}."
