@@ -15,7 +15,7 @@ from tutorial.errors import TutorialError
 from tutorial.program.controller_files import controller_names, find_controller, load_controllers
 from tutorial.program.project import Project
 from tutorial.system.paths import HOME, find_launch_file, find_project
-from tutorial.world import Placement, compose
+from tutorial.world import Placement, compose, world_spec
 
 
 @pytest.fixture
@@ -101,6 +101,21 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         project.with_robot(Path("m\udce4.xml"))
 
 
+def test_a_body_can_lack_geoms_and_get_another_model(write, tmp_path):
+    tank = f"name: Tank, model: {HOME / 'project/models/tank.xml'}"
+    project = Project.load(write(body(f"{tank}, without: [ANTENNA, TURRET]")))
+    names = {geom.name for geom in world_spec([each.placement for each in project.bodies]).geoms}
+    assert "Tank/BARREL" in names
+    assert not names & {"Tank/ANTENNA", "Tank/TURRET"}
+    (tmp_path / "line.yaml").write_text("points: [[0, 0], [1, 0]]")
+    line = Project.load(write(body(tank))).with_model("Tank", tmp_path / "line.yaml")
+    assert line.bodies[0].placement.model.name == "line.yaml"
+    with pytest.raises(TutorialError, match="has no geom 'ANTENNA'"):
+        project.with_model("Tank", tmp_path / "line.yaml")
+    with pytest.raises(TutorialError, match=r"has no body 'Tnak'\. Did you mean 'Tank'\?"):
+        project.with_model("Tnak", tmp_path / "line.yaml")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -125,6 +140,7 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),
         (body("model: models/tnak.xml"), "line 2: there is no model 'models/tnak.xml'. Did you mean 'models/tank."),
+        (body("without: [GUN]"), "line 2: tank.xml has no geom 'GUN'. There are none."),
         (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'."),
     ],
 )
