@@ -1,0 +1,95 @@
+"""The referee's rules, on synthetic drives along a line."""
+
+import math
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tutorial.race import LIMIT, REACH, Race, Result
+
+STRAIGHT = [(0.0, 0.0), (2.0, 0.0)]
+CROSSING = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+STEP = 0.01  # [s]
+
+
+def drive(line, *corners, side=0.0, speed=1.0, touched=(), on_rail=False):
+    """Return a race after a drive from corner to corner, `side` metres north of them."""
+    race, seconds = Race(line), 0.0
+    for start, end in pairwise(corners):
+        count = max(1, round(math.dist(start, end) / speed / STEP))
+        for i in range(count + 1):
+            x, y = (a + i / count * (b - a) for a, b in zip(start, end))
+            race.update(seconds, (x, y + side, 0.1), touched, on_rail)
+            seconds += STEP
+    return race
+
+
+def test_the_whole_line_the_rail_and_the_time_give_points():
+    race = drive(STRAIGHT, (0, 0), (2, 0))
+    assert (race.result.progress, race.result.score, race.over) == (1.0, 60.0, False)
+    race.update(10.0, (2.0, 0.0, 0.1), (), on_rail=True)
+    assert (race.result.rail, race.result.score, race.over) == (True, 60 + 20 + 20 * (1 - 10 / LIMIT), True)
+    assert str(race.result) == "finished: the rail is touched, 10.0 s, 0 contacts, 95.0 points"
+
+
+def test_the_rail_counts_only_after_the_end_of_the_line():
+    race = drive(STRAIGHT, (0, 0), (1, 0), on_rail=True)
+    assert not race.result.rail
+    assert not race.over
+
+
+@pytest.mark.parametrize(("side", "followed"), [(0.9 * REACH, True), (-0.9 * REACH, True), (1.1 * REACH, False)])
+def test_only_a_tank_that_stays_near_the_line_makes_progress(side, followed):
+    assert (drive(STRAIGHT, (0, 0), (2, 0), side=side).result.progress > 0.9) == followed
+
+
+def test_progress_never_shrinks():
+    there = drive(STRAIGHT, (0, 0), (1, 0)).result.progress
+    assert drive(STRAIGHT, (0, 0), (1, 0), (0, 0), (0, 2)).result.progress == there == pytest.approx(0.65, abs=0.01)
+
+
+def test_where_the_line_crosses_itself_the_next_part_counts():
+    at_the_crossing = drive(CROSSING, (0, 0), (1, 0)).result.progress
+    assert drive(CROSSING, (0, 0), (1, 0), (1, -1)).result.progress < at_the_crossing + 0.1
+    assert drive(CROSSING, *CROSSING).result.progress == 1.0
+
+
+def test_a_line_that_was_left_can_be_continued_where_it_was_left():
+    assert drive(STRAIGHT, (0, 0), (1, 0), (1, 1), (2, 1), (2, 0)).result.progress < 0.7
+    assert drive(STRAIGHT, (0, 0), (1, 0), (1, 1), (1, 0), (2, 0)).result.progress == 1.0
+
+
+def test_a_contact_counts_once_while_it_lasts():
+    race = Race(STRAIGHT)
+    for seconds, touched in ((0.0, ()), (0.1, ("A",)), (0.3, ("A",)), (0.4, ("A", "B")), (0.7, ()), (2.0, ("A",))):
+        race.update(seconds, (0.0, 0.0, 0.1), touched, on_rail=False)
+    assert race.result.contacts == 3
+    assert race.result.score == 0.0, "never negative"
+
+
+def test_a_tank_that_jumps_is_disqualified():
+    race = drive(STRAIGHT, (0, 0), (1, 0))
+    race.update(1.03, (1.5, 0.0, 0.1), (), on_rail=False)
+    assert (race.result.foul, race.result.score, race.over) == ("the tank has jumped 0.50 m", 0.0, True)
+    race.update(1.04, (2.0, 0.0, 0.1), (), on_rail=True)
+    assert not race.result.rail, "a race that is over does not change"
+
+
+def test_the_time_is_limited():
+    race = Race(STRAIGHT, limit=1.0)
+    race.update(1.0, (0.0, 0.0, 0.1), (), on_rail=False)
+    assert race.over
+    race.disqualify("too late")
+    assert not race.result.foul
+
+
+@given(
+    progress=st.floats(0, 1), seconds=st.floats(0, LIMIT), rail=st.booleans(), contacts=st.integers(0, 99)
+)  # fmt: skip
+def test_a_score_is_0_to_100_and_more_is_better(progress, seconds, rail, contacts):
+    result = Result(progress, seconds, rail, contacts)
+    assert 0 <= result.score <= 100
+    assert result.score >= Result(progress / 2, seconds, rail, contacts + 1).score
+    assert Result(progress, seconds, rail, contacts, foul="a foul").score == 0

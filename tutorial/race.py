@@ -1,0 +1,134 @@
+"""Judges a race along a line: how far the tank has followed it, how long that took, and what the tank touched."""
+
+import math
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+
+LIMIT = 40.0  # [s] the longest race
+REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
+SPACING = 0.01  # [m] between the points that count
+PAUSE = 0.5  # [s] without a touch, after which the next touch of the same thing counts again
+FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
+
+POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The result of a race, or its state so far.
+
+    Attributes:
+        progress: the part of the line that the tank has followed, 0 to 1.
+        seconds: the race's duration in simulated time [s].
+        rail: whether the barrel has touched the rail after the end of the line.
+        contacts: how often the tank has touched something else than the floor and, with its barrel, the rail.
+        foul: how the race was manipulated; empty if it was fair.
+        limit: the longest duration [s].
+    """
+
+    progress: float = 0.0
+    seconds: float = 0.0
+    rail: bool = False
+    contacts: int = 0
+    foul: str = ""
+    limit: float = LIMIT
+
+    @property
+    def score(self) -> float:
+        """The score, 0 to 100 points.
+
+        The line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for the time:
+        20 * (1 - seconds / limit). Each contact costs 5 points, but no score is negative. After a foul the score is 0.
+        """
+        if self.foul:
+            return 0.0
+        points = POINTS_LINE * self.progress - POINTS_CONTACT * self.contacts
+        if self.rail:
+            points += POINTS_RAIL + POINTS_TIME * (1 - self.seconds / self.limit)
+        return max(points, 0.0)
+
+    def __str__(self) -> str:
+        """Return the state as a line below the view."""
+        if self.foul:
+            return f"the race is over, without points: {self.foul}"
+        state = "finished: the rail is touched" if self.rail else f"{self.progress:.0%} of the line"
+        contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
+        return f"{state}, {self.seconds:.1f} s, {contacts}, {self.score:.1f} points"
+
+
+class Race:
+    """One race, in simulated time. It belongs to the thread that steps the simulation.
+
+    A point of the line counts when the tank's middle has come near it, after all points before it. So the progress
+    never shrinks, and no shortcut helps, not even where the line crosses itself.
+
+    Args:
+        line: the points of the line [m], from its start to its end.
+        limit: the longest duration [s].
+
+    Attributes:
+        result: the state so far.
+        over: whether the race has ended: the rail is touched, the time is up, or there was a foul.
+    """
+
+    def __init__(self, line: Iterable[Point], limit: float = LIMIT) -> None:
+        self._points = _subdivided(line)
+        self._next = 0  # index of the first point that does not count yet
+        self._touched_at: dict[str, float] = {}
+        self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
+        self.result = Result(limit=limit)
+        self.over = False
+
+    def update(self, seconds: float, position: tuple[float, ...], touched: Collection[str], on_rail: bool) -> None:
+        """Take the next state of the world into account.
+
+        Args:
+            seconds: the time since the start of the race [s].
+            position: the position of the tank's middle [m], (x, y, z).
+            touched: the names of the things that the tank touches.
+            on_rail: whether its barrel touches the rail.
+        """
+        if self.over:
+            return
+        foul = self._jump(seconds, position)
+        while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
+            self._next += 1
+        progress = self._next / len(self._points)
+        rail = on_rail and progress == 1.0
+        contacts = self.result.contacts + self._new_contacts(seconds, touched)
+        self.result = Result(progress, seconds, rail, contacts, foul, self.result.limit)
+        self.over = bool(foul) or rail or seconds >= self.result.limit
+
+    def disqualify(self, foul: str) -> None:
+        """End the race without points, if it is not over."""
+        if not self.over:
+            now = self.result
+            self.result = Result(now.progress, now.seconds, now.rail, now.contacts, foul, now.limit)
+            self.over = True
+
+    def _jump(self, seconds: float, position: tuple[float, ...]) -> str:
+        """Return a foul if the tank has moved faster than it can."""
+        before, self._before = self._before, (seconds, position)
+        if before is None:
+            return ""
+        distance = math.dist(before[1], position)
+        return f"the tank has jumped {distance:.2f} m" if distance > FASTEST * (seconds - before[0]) else ""
+
+    def _new_contacts(self, seconds: float, touched: Collection[str]) -> int:
+        new = [each for each in touched if seconds - self._touched_at.get(each, -math.inf) > PAUSE]
+        self._touched_at.update(dict.fromkeys(touched, seconds))
+        return len(new)
+
+
+def _subdivided(line: Iterable[Point]) -> list[Point]:
+    """Return points on a polygonal line, about `SPACING` apart."""
+    corners = list(line)
+    points = corners[:1]
+    for start, end in pairwise(corners):
+        count = max(1, round(math.dist(start, end) / SPACING))
+        steps = [i / count for i in range(1, count + 1)]
+        points += [(start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])) for t in steps]
+    return points
