@@ -34,6 +34,10 @@ def test_the_whole_line_the_rail_and_the_time_give_points():
     assert str(race.result) == "finished: the rail is touched, 10.0 s, 0 contacts, 95.0 points"
 
 
+def test_a_tank_that_stands_at_the_start_gets_no_points():
+    assert drive(STRAIGHT, (0, 0), (0, 0)).result.score == 0
+
+
 def test_the_rail_counts_only_after_the_end_of_the_line():
     race = drive(STRAIGHT, (0, 0), (1, 0), on_rail=True)
     assert not race.result.rail
@@ -47,7 +51,7 @@ def test_only_a_tank_that_stays_near_the_line_makes_progress(side, followed):
 
 def test_progress_never_shrinks():
     there = drive(STRAIGHT, (0, 0), (1, 0)).result.progress
-    assert drive(STRAIGHT, (0, 0), (1, 0), (0, 0), (0, 2)).result.progress == there == pytest.approx(0.65, abs=0.01)
+    assert drive(STRAIGHT, (0, 0), (1, 0), (0, 0), (0, 2)).result.progress == there == pytest.approx(1 / 1.7, abs=0.01)
 
 
 def test_where_the_line_crosses_itself_the_next_part_counts():

@@ -63,7 +63,7 @@ class Race:
     """One race, in simulated time. It belongs to the thread that steps the simulation.
 
     A point of the line counts when the tank's middle has come near it, after all points before it. So the progress
-    never shrinks, and no shortcut helps, not even where the line crosses itself.
+    never shrinks, and no shortcut helps, not even where the line crosses itself. It is 0 until the tank moves.
 
     Args:
         line: the points of the line [m], from its start to its end.
@@ -77,6 +77,7 @@ class Race:
     def __init__(self, line: Iterable[Point], limit: float = LIMIT) -> None:
         self._points = _subdivided(line)
         self._next = 0  # index of the first point that does not count yet
+        self._first: int | None = None  # its value at the start
         self._touched_at: dict[str, float] = {}
         self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
         self.result = Result(limit=limit)
@@ -96,11 +97,19 @@ class Race:
         foul = self._jump(seconds, position)
         while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
             self._next += 1
-        progress = self._next / len(self._points)
+        if self._first is None:
+            self._first = self._next
+        ahead = len(self._points) - self._first
+        progress = (self._next - self._first) / ahead if ahead else 1.0
         rail = on_rail and progress == 1.0
         contacts = self.result.contacts + self._new_contacts(seconds, touched)
         self.result = Result(progress, seconds, rail, contacts, foul, self.result.limit)
         self.over = bool(foul) or rail or seconds >= self.result.limit
+
+    @property
+    def on_line(self) -> bool:
+        """Whether the tank has been at the start of the line."""
+        return self._next > 0
 
     def disqualify(self, foul: str) -> None:
         """End the race without points, if it is not over."""

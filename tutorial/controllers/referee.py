@@ -39,7 +39,7 @@ class Referee(SimpleController):
             raise TutorialError("there is no line in this world. Add one to the project: 'model: race/bend.yaml'.")
         self.race = Race(line, self.limit)
         self.race.update(0.0, tuple(io.body.position.tolist()), (), on_rail=False)
-        if not self.race.result.progress:
+        if not self.race.on_line:
             raise TutorialError(f"the line begins more than {REACH:g} m from the tank, at {line[0]}. Move one of them.")
         self.names = _geom_names(io.body.model)
         self.floor = _floor_geoms(io.body.model)
