@@ -85,8 +85,9 @@ def test_the_time_is_limited():
     race = Race(STRAIGHT, limit=1.0)
     race.update(1.0, (0.0, 0.0, 0.1), (), on_rail=False)
     assert race.over
-    race.disqualify("too late")
-    assert not race.result.foul
+    race.disqualify("a foul")
+    race.disqualify("another foul")
+    assert race.result.foul == "a foul", "even after the end"
 
 
 @given(

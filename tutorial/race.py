@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 LIMIT = 40.0  # [s] the longest race
@@ -112,11 +112,9 @@ class Race:
         return self._next > 0
 
     def disqualify(self, foul: str) -> None:
-        """End the race without points, if it is not over."""
-        if not self.over:
-            now = self.result
-            self.result = Result(now.progress, now.seconds, now.rail, now.contacts, foul, now.limit)
-            self.over = True
+        """End the race without points, or take the points away if it is over. The first foul is reported."""
+        self.result = replace(self.result, foul=self.result.foul or foul)
+        self.over = True
 
     def _jump(self, seconds: float, position: tuple[float, ...]) -> str:
         """Return a foul if the tank has moved faster than it can."""

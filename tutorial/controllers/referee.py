@@ -59,9 +59,8 @@ class Referee(SimpleController):
         if data.xfrc_applied.any() or data.qfrc_applied.any():
             self.race.disqualify("a force that is not a motor's moves the tank")
         self.checks += 1
-        if self.checks % self.checks_per_message == 0:
-            self.count_publishers()
         if self.race.over or self.checks % self.checks_per_message == 0:
+            self.count_publishers()
             self.publisher.publish(String(data=as_json(self.race.result)))
             self.call_latest("race", self.show, self.race.result)
 
