@@ -60,7 +60,7 @@ def test_where_the_line_crosses_itself_the_next_part_counts():
     assert drive(CROSSING, *CROSSING).result.progress == 1.0
 
 
-def test_a_line_that_was_left_can_be_continued_where_it_was_left():
+def test_a_line_can_be_continued_where_it_was_left():
     assert drive(STRAIGHT, (0, 0), (1, 0), (1, 1), (2, 1), (2, 0)).result.progress < 0.7
     assert drive(STRAIGHT, (0, 0), (1, 0), (1, 1), (1, 0), (2, 0)).result.progress == 1.0
 

@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 LIMIT = 40.0  # [s] the longest race
 REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
@@ -49,6 +50,10 @@ class Result:
         if self.rail:
             points += POINTS_RAIL + POINTS_TIME * (1 - self.seconds / self.limit)
         return max(points, 0.0)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes and the score, for JSON."""
+        return {"score": round(self.score, 2), **asdict(self)}
 
     def __str__(self) -> str:
         """Return the state as a line below the view."""

@@ -17,12 +17,8 @@ LAYOUTS = sorted((original() / "project" / "race").glob("*.yaml"))
 
 @pytest.fixture
 def write(tmp_path):
-    def write(text):
-        path = tmp_path / "line.yaml"
-        path.write_text(text)
-        return path
-
-    return write
+    path = tmp_path / "line.yaml"
+    return lambda text: path.write_text(text) and path
 
 
 def points(path, position=(0.0, 0.0, 0.0)):
@@ -43,11 +39,8 @@ def test_the_curve_passes_through_the_points_in_short_pieces(write):
 
 def test_it_is_seen_and_touches_nothing(write):
     model = read_line(write("points: [[-1, 0], [1, 0]]\nwidth: 0.1")).compile()
-    assert not model.geom_contype.any()
-    assert not model.geom_conaffinity.any()
+    assert not any([*model.geom_contype, *model.geom_conaffinity])
     np.testing.assert_allclose(model.geom_size[:, 1:], [[0.05, HEIGHT / 2]] * model.ngeom)
-    red, green, blue, _ = model.geom_rgba[0]
-    assert min(red, green) > 2 * blue
 
 
 @pytest.mark.parametrize(
@@ -55,7 +48,6 @@ def test_it_is_seen_and_touches_nothing(write):
     [
         ("points: [[0, 0]]", "line 1: points: expected a list of length >= 2."),
         ("pionts: [[0, 0], [1, 0]]", "line 1: unknown key 'pionts'. Did you mean 'points'?"),
-        ("points:\n- [0, 0]\n- [1, 0, 2]", "line 3: points[1]: "),
         ("points:\n- [0, 0]\n- [.nan, 1]", "line 3: points[1][0]: "),
         ("points:\n- [0, 0]\n- [1, 0]\n- [1, 0]", "line 4: this point repeats the previous one. Leave it out."),
         ("points:\n- [0, 0]\n- [3.05, 0]", "line 3: near this point, the line leaves the floor, at (3.05, 0.00)."),
@@ -80,6 +72,3 @@ def test_each_layout_begins_at_the_tank_and_ends_beside_the_rail(layout):
     rail = data.geom("Labo/RAIL").xpos[:2]
     assert 0.15 < rail[0] - line[-1][0] < 0.3
     assert abs(rail[1] - line[-1][1]) < 0.5
-    names = {model.geom(i).name for i in range(model.ngeom)}
-    assert "Labo/FLOOR" in names
-    assert not names & {"Labo/LANE_N", "Labo/LANE_S", "Labo/BUMP"}

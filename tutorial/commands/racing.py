@@ -12,16 +12,16 @@ import threading
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterator
-from contextlib import AsyncExitStack, contextmanager, suppress
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from contextlib import AsyncExitStack, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import psutil
 
 from tutorial.controllers.referee import Referee
-from tutorial.errors import TutorialError, printable
+from tutorial.errors import printable
 from tutorial.program.host import Host
 from tutorial.program.project import Project
 from tutorial.race import Result
@@ -68,14 +68,8 @@ class Entry:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the entry for JSON."""
-        return {
-            "driver": self.driver,
-            "layout": self.layout,
-            "score": round(self.result.score, 2),
-            **asdict(self.result),
-            "note": self.note,
-            "real_time": round(self.real_time, 3),
-        }
+        entry = {"driver": self.driver, "layout": self.layout, **self.result.as_dict()}
+        return {**entry, "note": self.note, "real_time": round(self.real_time, 3)}
 
 
 class Driver:
@@ -144,7 +138,8 @@ async def race(path: Path, project: Project, layout: str, html: Path | None, vie
     """
     before = _fingerprint()
     async with AsyncExitStack() as stack:
-        stack.enter_context(_own_domain())
+        domain = stack.enter_context(reserved_domain(os.environ.get("ROS_DOMAIN_ID")))
+        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # the driver's, too
         scene = Scene()
         host = await stack.enter_async_context(Host(project, None, View(scene) if view or html else None))
         if view:
@@ -156,8 +151,9 @@ async def race(path: Path, project: Project, layout: str, html: Path | None, vie
         stack.callback(driver.close)
         if problem := await _meet(host, driver):
             return Entry(path.name, layout, Result(), problem)
-        note, real_time = await _run(host, driver)
-        referee = _referee(host)
+        referee = host.controllers["Referee"]
+        assert isinstance(referee, Referee)
+        note, real_time = await _run(host, referee, driver)
         if _fingerprint() != before:
             referee.race.disqualify("files of the tutorial have changed during the race")
         result = referee.race.result
@@ -182,9 +178,9 @@ async def _meet(host: Host, driver: Driver) -> str:
     return ""
 
 
-async def _run(host: Host, driver: Driver) -> tuple[str, float]:
+async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float]:
     """Run a race to its end. Return what ended it early, and simulated time divided by real time."""
-    simulation, referee = host.simulation, _referee(host)
+    simulation = host.simulation
     assert simulation is not None
     simulation.advance(simulation.time_step)  # in lockstep: it waits for the first picture, which also starts OpenGL
 
@@ -198,27 +194,6 @@ async def _run(host: Host, driver: Driver) -> tuple[str, float]:
     if referee.race.over:
         return "", real_time
     return driver.how_it_ended() if driver.ended else "the simulation has stopped", real_time
-
-
-def _referee(host: Host) -> Referee:
-    referee = host.controllers.get("Referee")
-    if not isinstance(referee, Referee):
-        raise TutorialError("this project has no Referee. Add it to the tank's controllers.")
-    return referee
-
-
-@contextmanager
-def _own_domain() -> Iterator[None]:
-    """Let the nodes of this process and of new processes use a ROS domain that nobody else on this machine uses."""
-    before = os.environ.copy()
-    with reserved_domain(before.get("ROS_DOMAIN_ID")) as number:
-        os.environ.update(ROS_DOMAIN_ID=str(number), ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
-        try:
-            yield
-        finally:
-            for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
-                del os.environ[name]
-                os.environ.update({name: before[name]} if name in before else {})
 
 
 def _fingerprint() -> bytes:

@@ -2,7 +2,6 @@
 
 import json
 from collections import Counter
-from dataclasses import asdict
 
 import mujoco
 from std_msgs.msg import String
@@ -61,7 +60,7 @@ class Referee(SimpleController):
         self.checks += 1
         if self.race.over or self.checks % self.checks_per_message == 0:
             self.count_publishers()
-            self.publisher.publish(String(data=as_json(self.race.result)))
+            self.publisher.publish(String(data=json.dumps(self.race.result.as_dict())))
             self.call_latest("race", self.show, self.race.result)
 
     def contacts(self) -> tuple[set[str], bool]:
@@ -91,11 +90,6 @@ class Referee(SimpleController):
     def unconfigure(self) -> None:  # main thread
         """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
-
-
-def as_json(result: Result) -> str:
-    """Return a result as JSON, with its score."""
-    return json.dumps({**asdict(result), "score": round(result.score, 2)})
 
 
 def _geom_names(model: mujoco.MjModel) -> list[str]:

@@ -16,21 +16,19 @@ class Baseline(Node):
         pixels = np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, 3)
         self.publisher.publish(Joy(axes=self.steer(pixels)))
 
+    def yellow(self, pixels):
+        red, green, blue = pixels.astype(int).transpose(2, 0, 1)
+        return (red > 150) & (green > 0.65 * red) & (blue < 0.3 * red)
+
     def steer(self, pixels):
         height, width, _ = pixels.shape
-        red, green, blue = pixels.astype(int).transpose(2, 0, 1)
-        yellow = (red > 150) & (green > 0.65 * red) & (blue < 0.3 * red)
-        columns = np.nonzero(yellow[3 * height // 4 :])[1]
+        columns = np.nonzero(self.yellow(pixels)[3 * height // 4 :])[1]
         if len(columns) == 0:
             return [0.0, 0.0, 0.0, 0.0]
-        error = 1 - 2 * columns.mean() / width  # 1 at the left edge, -1 at the right edge
-        return [float(error), 0.25, 0.0, 0.0]
-
-
-def main():
-    rclpy.init()
-    rclpy.spin(Baseline())
+        error = 1 - 2 * float(columns.mean()) / width  # 1 at the left edge, -1 at the right edge
+        return [error, 0.25, 0.0, 0.0]
 
 
 if __name__ == "__main__":
-    main()
+    rclpy.init()
+    rclpy.spin(Baseline())
