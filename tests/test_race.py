@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tutorial.race import LIMIT, REACH, Race, Result
+from tutorial.race import FINISHED, LIMIT, PATIENCE, REACH, STUCK, TIME_UP, Race, Result
 
 STRAIGHT = [(0.0, 0.0), (2.0, 0.0)]
 CROSSING = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -30,8 +30,8 @@ def test_the_whole_line_the_rail_and_the_time_give_points():
     race = drive(STRAIGHT, (0, 0), (2, 0))
     assert (race.result.progress, race.result.score, race.over) == (1.0, 60.0, False)
     race.update(10.0, (2.0, 0.0, 0.1), (), on_rail=True)
-    assert (race.result.rail, race.result.score, race.over) == (True, 60 + 20 + 20 * (1 - 10 / LIMIT), True)
-    assert str(race.result) == "finished: the rail is touched, 10.0 s, 0 contacts, 95.0 points"
+    assert (race.result.end, race.result.score) == (FINISHED, 60 + 20 + 20 * (1 - 10 / LIMIT))
+    assert str(race.result) == "rail touched: 100% of the line, 10.0 s, 0 contacts, 95.0 points"
 
 
 def test_a_tank_that_stands_at_the_start_gets_no_points():
@@ -39,9 +39,7 @@ def test_a_tank_that_stands_at_the_start_gets_no_points():
 
 
 def test_the_rail_counts_only_after_the_end_of_the_line():
-    race = drive(STRAIGHT, (0, 0), (1, 0), on_rail=True)
-    assert not race.result.rail
-    assert not race.over
+    assert not drive(STRAIGHT, (0, 0), (1, 0), on_rail=True).over
 
 
 @pytest.mark.parametrize(("side", "followed"), [(0.9 * REACH, True), (-0.9 * REACH, True), (1.1 * REACH, False)])
@@ -76,25 +74,31 @@ def test_a_contact_counts_once_while_it_lasts():
 def test_a_tank_that_jumps_is_disqualified():
     race = drive(STRAIGHT, (0, 0), (1, 0))
     race.update(1.03, (1.5, 0.0, 0.1), (), on_rail=False)
-    assert (race.result.foul, race.result.score, race.over) == ("the tank has jumped 0.50 m", 0.0, True)
+    assert (race.result.foul, race.result.end, race.result.score) == ("the tank has jumped 0.50 m", "foul", 0.0)
     race.update(1.04, (2.0, 0.0, 0.1), (), on_rail=True)
-    assert not race.result.rail, "a race that is over does not change"
+    assert race.result.progress < 1, "a race that is over does not change"
 
 
 def test_the_time_is_limited():
     race = Race(STRAIGHT, limit=1.0)
     race.update(1.0, (0.0, 0.0, 0.1), (), on_rail=False)
-    assert race.over
+    assert race.result.end == TIME_UP
     race.disqualify("a foul")
     race.disqualify("another foul")
     assert race.result.foul == "a foul", "even after the end"
 
 
-@given(
-    progress=st.floats(0, 1), seconds=st.floats(0, LIMIT), rail=st.booleans(), contacts=st.integers(0, 99)
-)  # fmt: skip
-def test_a_score_is_0_to_100_and_more_is_better(progress, seconds, rail, contacts):
-    result = Result(progress, seconds, rail, contacts)
+def test_a_tank_without_progress_is_stuck_but_may_look_for_the_rail():
+    race = drive(STRAIGHT, (0, 0), *[(1, 0), (1, 1)] * 7)
+    assert (race.result.end, race.result.seconds) == (STUCK, pytest.approx(1 + PATIENCE, abs=0.1))
+    race = drive(STRAIGHT, (0, 0), (2, 0))
+    race.update(2 * PATIENCE, (2.0, 0.0, 0.1), (), on_rail=False)
+    assert not race.over
+
+
+@given(st.floats(0, 1), st.floats(0, LIMIT), st.integers(0, 99), st.sampled_from([FINISHED, ""]))
+def test_a_score_is_0_to_100_and_more_is_better(progress, seconds, contacts, end):
+    result = Result(progress, seconds, contacts, end)
     assert 0 <= result.score <= 100
-    assert result.score >= Result(progress / 2, seconds, rail, contacts + 1).score
-    assert Result(progress, seconds, rail, contacts, foul="a foul").score == 0
+    assert result.score >= Result(progress / 2, seconds, contacts + 1, end).score
+    assert Result(progress, seconds, contacts, end, foul="a foul").score == 0

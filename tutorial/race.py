@@ -9,10 +9,13 @@ from typing import Any
 LIMIT = 40.0  # [s] the longest race
 REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
 SPACING = 0.01  # [m] between the points that count
+PATIENCE = 10.0  # [s] without progress, after which a race ends before the end of the line
 PAUSE = 0.5  # [s] without a touch, after which the next touch of the same thing counts again
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
 POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
+
+FINISHED, TIME_UP, STUCK, FOUL = "rail touched", "time up", "stuck", "foul"
 
 Point = tuple[float, float]
 
@@ -24,16 +27,17 @@ class Result:
     Attributes:
         progress: the part of the line that the tank has followed, 0 to 1.
         seconds: the race's duration in simulated time [s].
-        rail: whether the barrel has touched the rail after the end of the line.
         contacts: how often the tank has touched something else than the floor and, with its barrel, the rail.
+        end: why the race has ended; empty while it lasts. It is `FINISHED` if the barrel has touched the rail after the
+            end of the line.
         foul: how the race was manipulated; empty if it was fair.
         limit: the longest duration [s].
     """
 
     progress: float = 0.0
     seconds: float = 0.0
-    rail: bool = False
     contacts: int = 0
+    end: str = ""
     foul: str = ""
     limit: float = LIMIT
 
@@ -47,7 +51,7 @@ class Result:
         if self.foul:
             return 0.0
         points = POINTS_LINE * self.progress - POINTS_CONTACT * self.contacts
-        if self.rail:
+        if self.end == FINISHED:
             points += POINTS_RAIL + POINTS_TIME * (1 - self.seconds / self.limit)
         return max(points, 0.0)
 
@@ -57,11 +61,9 @@ class Result:
 
     def __str__(self) -> str:
         """Return the state as a line below the view."""
-        if self.foul:
-            return f"the race is over, without points: {self.foul}"
-        state = "finished: the rail is touched" if self.rail else f"{self.progress:.0%} of the line"
         contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
-        return f"{state}, {self.seconds:.1f} s, {contacts}, {self.score:.1f} points"
+        state = f"{self.progress:.0%} of the line, {self.seconds:.1f} s, {contacts}, {self.score:.1f} points"
+        return f"{self.foul or self.end}: {state}" if self.end else state
 
 
 class Race:
@@ -76,17 +78,16 @@ class Race:
 
     Attributes:
         result: the state so far.
-        over: whether the race has ended: the rail is touched, the time is up, or there was a foul.
     """
 
     def __init__(self, line: Iterable[Point], limit: float = LIMIT) -> None:
         self._points = _subdivided(line)
         self._next = 0  # index of the first point that does not count yet
         self._first: int | None = None  # its value at the start
+        self._advanced_at = 0.0
         self._touched_at: dict[str, float] = {}
         self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
         self.result = Result(limit=limit)
-        self.over = False
 
     def update(self, seconds: float, position: tuple[float, ...], touched: Collection[str], on_rail: bool) -> None:
         """Take the next state of the world into account.
@@ -102,14 +103,25 @@ class Race:
         foul = self._jump(seconds, position)
         while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
             self._next += 1
+            self._advanced_at = seconds
         if self._first is None:
             self._first = self._next
         ahead = len(self._points) - self._first
         progress = (self._next - self._first) / ahead if ahead else 1.0
-        rail = on_rail and progress == 1.0
         contacts = self.result.contacts + self._new_contacts(seconds, touched)
-        self.result = Result(progress, seconds, rail, contacts, foul, self.result.limit)
-        self.over = bool(foul) or rail or seconds >= self.result.limit
+        ends = {
+            FOUL: foul,
+            FINISHED: on_rail and progress == 1.0,
+            TIME_UP: seconds >= self.result.limit,
+            STUCK: progress < 1.0 and seconds - self._advanced_at >= PATIENCE,
+        }
+        end = next((each for each, has_come in ends.items() if has_come), "")
+        self.result = Result(progress, seconds, contacts, end, foul, self.result.limit)
+
+    @property
+    def over(self) -> bool:
+        """Whether the race has ended."""
+        return bool(self.result.end)
 
     @property
     def on_line(self) -> bool:
@@ -118,8 +130,7 @@ class Race:
 
     def disqualify(self, foul: str) -> None:
         """End the race without points, or take the points away if it is over. The first foul is reported."""
-        self.result = replace(self.result, foul=self.result.foul or foul)
-        self.over = True
+        self.result = replace(self.result, end=FOUL, foul=self.result.foul or foul)
 
     def _jump(self, seconds: float, position: tuple[float, ...]) -> str:
         """Return a foul if the tank has moved faster than it can."""

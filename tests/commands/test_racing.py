@@ -38,7 +38,12 @@ def test_a_good_driver_gets_over_80_points_and_a_page(program, tmp_path):
     assert running.ends() == 0
     (line,) = board.read_text().splitlines()
     entry = json.loads(line)
-    assert (entry["driver"], entry["layout"], entry["progress"], entry["rail"]) == ("good.py", "bend", 1.0, True)
+    assert (entry["driver"], entry["layout"], entry["progress"], entry["end"]) == (
+        "good.py",
+        "bend",
+        1.0,
+        "rail touched",
+    )
     assert entry["score"] > 80
     assert f"{entry['score']:.1f}" in running.output
     assert "<title>good.py, bend</title>" in (tmp_path / "good-bend.html").read_text()

@@ -13,6 +13,7 @@ from tutorial.controllers.referee import Referee
 from tutorial.controllers.tank_controller import TankController
 from tutorial.program.host import Host
 from tutorial.program.project import Project
+from tutorial.race import FINISHED
 from tutorial.ros.node_thread import NodeThread
 from tutorial.stepped_world import ControllerError
 from tutorial.system.paths import original
@@ -53,17 +54,16 @@ async def test_a_drive_to_the_rail_finishes_and_is_published_and_shown(race):
         subscription = host.node.create_subscription(String, "/Tank/race", heard.append, 10)
         await until(subscription.get_publisher_count)
         drive(host, 0.7)
-        assert judged.over
-        assert (judged.result.progress, judged.result.rail, judged.result.contacts) == (1.0, True, 0)
+        assert (judged.result.progress, judged.result.end, judged.result.contacts) == (1.0, FINISHED, 0)
         await until(lambda: heard and json.loads(heard[-1].data) == judged.result.as_dict())
-        await until(lambda: host.refresh() or b"finished: the rail is touched" in scene.snapshot())
+        await until(lambda: host.refresh() or b"rail touched: 100%" in scene.snapshot())
 
 
 @in_a_loop
 async def test_a_wall_is_a_contact(race):
     async with race((2.4, 1.0), (2.4, 1.0), (2.0, 1.0)) as (host, judged):
         drive(host, 0.5)
-        assert (judged.result.contacts, judged.result.rail, judged.over) == (1, False, False)
+        assert (judged.result.contacts, judged.over) == (1, False)
 
 
 @pytest.mark.parametrize(("message_type", "topic", "allowed"), [(Joy, "/joy", 1), (String, "/Tank/race", 0)])

@@ -69,11 +69,11 @@ def table(entries: list[Entry]) -> Table:
     from rich.text import Text
 
     rows = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for heading in ("driver", "layout", "progress", "time", "rail", "contacts", "score"):
-        rows.add_column(heading, justify="left" if heading in ("driver", "layout", "rail") else "right")
+    for heading in ("driver", "layout", "progress", "time", "end", "contacts", "score"):
+        rows.add_column(heading, justify="left" if heading in ("driver", "layout", "end") else "right")
     for entry in sorted(entries, key=lambda each: -each.result.score):
         result = entry.result
-        numbers = (f"{result.progress:.0%}", f"{result.seconds:.1f} s", "yes" if result.rail else "no")
+        numbers = (f"{result.progress:.0%}", f"{result.seconds:.1f} s", result.end)
         scored = (str(result.contacts), f"{result.score:.1f}")
         rows.add_row(Text(printable(entry.driver)), Text(printable(entry.layout)), *numbers, *scored)
     return rows

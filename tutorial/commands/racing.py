@@ -14,7 +14,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,7 @@ PRELUDE = (
 )
 """Runs a file as ``python FILE`` does, after ``import tutorial``, which makes rclpy importable."""
 
+DRIVER_ENDED = "driver ended"
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] until a driver has to publish on /joy: imports are slow on a loaded machine
 SETTLED = 0.5  # [s] without a new subscription, after which the driver counts as complete
@@ -56,7 +57,7 @@ class Entry:
         driver: the driver's file.
         layout: the name of the line.
         result: what the referee has seen.
-        note: what ended the race early; empty after a finish, or when the time was up.
+        note: what was wrong with the driver or the race; may be empty.
         real_time: simulated time divided by real time: below 1, the machine was too slow for a fair race.
     """
 
@@ -150,13 +151,13 @@ async def race(path: Path, project: Project, layout: str, html: Path | None, vie
         driver = Driver(path, (lambda line: print_text(line, err=True)) if loud else (lambda _: None))
         stack.callback(driver.close)
         if problem := await _meet(host, driver):
-            return Entry(path.name, layout, Result(), problem)
+            return Entry(path.name, layout, Result(end=DRIVER_ENDED), problem)
         referee = host.controllers["Referee"]
         assert isinstance(referee, Referee)
         note, real_time = await _run(host, referee, driver)
         if _fingerprint() != before:
             referee.race.disqualify("files of the tutorial have changed during the race")
-        result = referee.race.result
+        result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
         return Entry(path.name, layout, result, result.foul or note, real_time)
 
 
