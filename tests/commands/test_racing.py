@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from pictures import need_pictures
+from programs import need_sandbox_here
 
 DRIVERS = Path(__file__).parents[1] / "support" / "drivers"
 
@@ -19,6 +20,11 @@ DEAF = "import signal, subprocess, sys\nsignal.signal(signal.SIGINT, signal.SIG_
 DAEMON = "subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(999)'], start_new_session=True)\n"
 ENDLESS = "while True: pass\n"
 RIVAL = "from tf2_msgs.msg import TFMessage\npublishers.append(node.create_publisher(TFMessage, '/tf', 1))\n"
+NOSY = """
+from sensor_msgs.msg import Image
+node.create_subscription(Image, "/Tank/camera/image", lambda _: open("{}", "w"), 1)
+rclpy.spin(node)
+"""
 FAULTY = {
     "crash": (STANDS + "1 / 0\n", "ZeroDivisionError: division by zero"),
     "ends": ("print('score: 100')\n", "the driver's program has ended"),
@@ -62,6 +68,19 @@ def test_a_league_names_each_fault_and_leaves_nothing(program, tmp_path):
     assert {entry["score"] for entry in entries} == {0.0}
     assert "crash.py: ZeroDivisionError: division by zero" in running.output
     assert "score: 100" not in running.output
+    running.leaves_nothing()
+
+
+@pytest.mark.process
+def test_in_the_sandbox_a_driver_sees_pictures_and_changes_no_file(program, tmp_path):
+    need_sandbox_here()
+    (tmp_path / "nosy.py").write_text(STANDS + NOSY.format(tmp_path / "mine"))
+    running = program("race", tmp_path / "nosy.py", "--sandbox", "--json", tmp_path / "scores.json")
+    assert running.ends() == 1
+    entry = json.loads((tmp_path / "scores.json").read_text())
+    assert entry["seconds"] > 0
+    assert entry["note"].startswith(("OSError: ", "FileNotFoundError: ")), entry
+    assert not (tmp_path / "mine").exists()
     running.leaves_nothing()
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 @click.command(short_help="Let a node of your own drive the tank along a line, and score it.")
 @click.argument("drivers", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="DRIVER...")
 @click.option("--layout", default="bend", show_default=True, help="Use this line: a name, or a YAML file of points.")
+@click.option("--sandbox", is_flag=True, help="Run the drivers in a sandbox, where they can change no files.")
 @click.option("--view", is_flag=True, help="Show a 3D view.")
 @click.option(
     "--json", "scoreboard", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     "--replay", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
     help="Write a page for each driver to DIR, which replays its race.",
 )  # fmt: skip
-def race(drivers: tuple[Path, ...], layout: str, view: bool, scoreboard: Path | None, replay: Path | None) -> int:
+def race(drivers: tuple[Path, ...], layout: str, scoreboard: Path | None, replay: Path | None, **how: bool) -> int:
     """Score each DRIVER, a Python file with a node that publishes on /joy.
 
     A driver sees the line with the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
@@ -43,16 +44,19 @@ def race(drivers: tuple[Path, ...], layout: str, view: bool, scoreboard: Path | 
     """
     from rich.console import Console
 
+    from tutorial.commands.checking.sandbox import need_sandbox
     from tutorial.system.paths import find_layout
 
     _check_files(drivers)
     line = find_layout(layout)
+    if how["sandbox"]:
+        need_sandbox("leave out --sandbox")
     _check_pictures()  # before MuJoCo is imported here, which can fail, too
     project = _project(line)
     for folder in filter(None, (replay, scoreboard and scoreboard.parent)):
         _make(folder)
     entries: list[Entry] = []
-    interrupted = until_asked(_race_all(drivers, project, line.stem, entries, view, scoreboard, replay))
+    interrupted = until_asked(_race_all(drivers, project, line.stem, entries, scoreboard, replay, **how))
     if entries:
         Console(highlight=False).print(table(entries))
         print_text("".join(f"{printable(each.driver)}: {each.note}\n" for each in entries if each.note))
@@ -84,9 +88,10 @@ async def _race_all(
     project: Project,
     layout: str,
     entries: list[Entry],
-    view: bool,
     scoreboard: Path | None,
     replay: Path | None,
+    view: bool,
+    sandbox: bool,
 ) -> None:
     """Run one race after another, because two at a time would slow each other down."""
     from tutorial.commands.racing import race
@@ -95,7 +100,7 @@ async def _race_all(
         if len(drivers) > 1:
             print_text(f"{number} of {len(drivers)}: {path.name}\n", err=True)
         html = None if replay is None else replay / f"{path.stem}-{layout}.html"
-        entries.append(await race(path, project, layout, html, view, loud=len(drivers) == 1))
+        entries.append(await race(path, project, layout, html, view, len(drivers) == 1, sandbox))
         if scoreboard is not None:
             with scoreboard.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(entries[-1].as_dict()) + "\n")

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import uuid
@@ -20,6 +21,8 @@ from typing import Any
 
 import psutil
 
+from tutorial.commands.checking.sandbox import sandbox
+from tutorial.commands.checking.submission import environment
 from tutorial.controllers.referee import Referee
 from tutorial.errors import printable
 from tutorial.program.host import Host
@@ -34,13 +37,14 @@ from tutorial.view.replay import recorded
 from tutorial.view.scene import Scene
 from tutorial.view.web import SceneServer
 
+LIMITED = "from tutorial.commands.checking.sandbox import limit; limit(600, True); "
 PRELUDE = (
     "import runpy, sys, tutorial; from pathlib import Path; sys.argv = sys.argv[1:]; "
     "sys.path[0] = str(Path(sys.argv[0]).parent); runpy.run_path(sys.argv[0], run_name='__main__')"
 )
 """Runs a file as ``python FILE`` does, after ``import tutorial``, which makes rclpy importable."""
 
-DRIVER_ENDED = "driver ended"
+NO_START, DRIVER_ENDED = "no start", "driver ended"
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] until a driver has to publish on /joy: imports are slow on a loaded machine
 SETTLED = 0.5  # [s] without a new subscription, after which the driver counts as complete
@@ -79,14 +83,20 @@ class Driver:
     Args:
         path: the Python file.
         hear: called with each line of its output, on a separate thread.
+        is_sandboxed: whether it runs in a sandbox, where it can change no files.
     """
 
-    def __init__(self, path: Path, hear: Callable[[str], object]) -> None:
+    def __init__(self, path: Path, hear: Callable[[str], object], is_sandboxed: bool) -> None:
         self._mark = uuid.uuid4().hex
         self._lines: deque[str] = deque(maxlen=LINES_KEPT)
         self._hear = hear
-        command = [sys.executable, "-c", PRELUDE, str(path.resolve())]
-        self._process = parent_watch.start_watched(command, {**os.environ, MARK: self._mark})
+        self._folder = tempfile.TemporaryDirectory(prefix="tank-race-", ignore_cleanup_errors=True)
+        command, variables = [sys.executable, "-c", PRELUDE, str(path.resolve())], dict(os.environ)
+        if is_sandboxed:
+            command[2] = LIMITED + PRELUDE
+            command = [*sandbox(self._folder.name, path.resolve()), *command]
+            variables = environment(self._folder.name) | {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}  # no shared memory
+        self._process = parent_watch.start_watched(command, {**variables, MARK: self._mark})
         self._reader = threading.Thread(target=self._read, name="driver", daemon=True)
         self._reader.start()
 
@@ -115,6 +125,7 @@ class Driver:
                 if process.environ().get(MARK) == self._mark:
                     process.kill()
         self._reader.join()
+        self._folder.cleanup()
 
     def _read(self) -> None:
         with self._process:
@@ -123,7 +134,9 @@ class Driver:
                 self._hear(line)
 
 
-async def race(path: Path, project: Project, layout: str, html: Path | None, view: bool, loud: bool) -> Entry:
+async def race(
+    path: Path, project: Project, layout: str, html: Path | None, view: bool, loud: bool, is_sandboxed: bool
+) -> Entry:
     """Run one race in a ROS domain of its own, and stop everything that belongs to it.
 
     Args:
@@ -133,6 +146,7 @@ async def race(path: Path, project: Project, layout: str, html: Path | None, vie
         html: where to write a page that replays the race; None for no page.
         view: whether to serve a 3D view.
         loud: whether to print the driver's output, on stderr.
+        is_sandboxed: whether the driver runs in a sandbox.
 
     Raises:
         TutorialError: the world does not fit the race, or a file cannot be written.
@@ -148,10 +162,10 @@ async def race(path: Path, project: Project, layout: str, html: Path | None, vie
             print_text(f"3D view: {server.url}\n")
         if html is not None:
             stack.enter_context(recorded(scene, html, f"{path.name}, {layout}", host.shown_at, host.joint_positions))
-        driver = Driver(path, (lambda line: print_text(line, err=True)) if loud else (lambda _: None))
+        driver = Driver(path, (lambda line: print_text(line, err=True)) if loud else (lambda _: None), is_sandboxed)
         stack.callback(driver.close)
         if problem := await _meet(host, driver):
-            return Entry(path.name, layout, Result(end=DRIVER_ENDED), problem)
+            return Entry(path.name, layout, Result(end=NO_START), problem)
         referee = host.controllers["Referee"]
         assert isinstance(referee, Referee)
         note, real_time = await _run(host, referee, driver)
