@@ -95,7 +95,7 @@ class Driver:
         if is_sandboxed:
             command[2] = LIMITED + PRELUDE
             command = [*sandbox(self._folder.name, path.resolve()), *command]
-            variables = environment(self._folder.name) | {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}  # no shared memory
+            variables = environment(self._folder.name)
         self._process = parent_watch.start_watched(command, {**variables, MARK: self._mark})
         self._reader = threading.Thread(target=self._read, name="driver", daemon=True)
         self._reader.start()

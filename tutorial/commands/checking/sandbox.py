@@ -51,7 +51,8 @@ def sandbox(folder: str, file: Path | None = None) -> list[str]:
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
     shown = COURSE if is_course(PACKAGE.parent) else ()  # empty folders that mark a checkout
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
-    bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
+    writable = ("/dev/shm", folder) if file is None else (folder,)  # Fast DDS must not find memory that it can't share
+    bounded = [word for path in writable for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # where root could write
     return [
         *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
