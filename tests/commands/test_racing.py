@@ -7,6 +7,8 @@ import pytest
 from pictures import need_pictures
 from programs import need_sandbox_here
 
+from tutorial.commands import racing
+
 DRIVERS = Path(__file__).parents[1] / "support" / "drivers"
 
 STANDS = """import rclpy
@@ -39,8 +41,8 @@ def _pictures():
 
 @pytest.mark.process
 def test_a_good_driver_gets_over_80_points_and_a_page(program, tmp_path):
-    board = tmp_path / "new" / "scores.json"
-    running = program("race", DRIVERS / "good.py", "--json", board, "--replay", tmp_path)
+    board = tmp_path / "scores.json"
+    running = program("race", DRIVERS / "good.py", "--json", board, "--replay", tmp_path / "new")
     assert running.ends() == 0
     (line,) = board.read_text().splitlines()
     entry = json.loads(line)
@@ -52,7 +54,7 @@ def test_a_good_driver_gets_over_80_points_and_a_page(program, tmp_path):
     )
     assert entry["score"] > 80
     assert f"{entry['score']:.1f}" in running.output
-    assert "<title>good.py, bend</title>" in (tmp_path / "good-bend.html").read_text()
+    assert "<title>good.py, bend</title>" in (tmp_path / "new" / "good-bend.html").read_text()
     running.leaves_nothing()
 
 
@@ -101,6 +103,20 @@ def test_without_pictures_nothing_starts(program):
     running = program("race", DRIVERS / "good.py", environment={"MUJOCO_GL": "nonsense"})
     assert running.ends() == 1
     assert "Error: a race needs the camera's pictures, and MuJoCo can't render: " in running.output
+
+
+def test_a_changed_or_new_file_changes_the_fingerprint(tmp_path, monkeypatch):
+    monkeypatch.setattr(racing, "PACKAGE", tmp_path)
+    monkeypatch.setattr(racing, "original", lambda: tmp_path)
+    (tmp_path / "project" / "race").mkdir(parents=True)
+    seen = {racing.fingerprint()}
+    for name in ("code.py", "project/race.yaml", "project/race/bend.yaml"):
+        for text in ("", "1", "2"):
+            (tmp_path / name).write_text(text)
+            seen.add(racing.fingerprint())
+    assert len(seen) == 10
+    (tmp_path / "notes.txt").write_text("")
+    assert racing.fingerprint() in seen
 
 
 @pytest.mark.nightly

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
 from tutorial.commands.terminal import INTERRUPTED, until_asked
-from tutorial.errors import TutorialError, did_you_mean, printable
+from tutorial.errors import TutorialError, printable
 from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
@@ -20,21 +20,23 @@ if TYPE_CHECKING:
     from tutorial.commands.racing import Entry
     from tutorial.program.project import Project
 
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
 
 @click.command(short_help="Let a node of your own drive the tank along a line, and score it.")
-@click.argument("drivers", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="DRIVER...")
+@click.argument("drivers", nargs=-1, required=True, metavar="DRIVER...", type=FILE)
 @click.option("--layout", default="bend", show_default=True, help="Use this line: a name, or a YAML file of points.")
 @click.option("--sandbox", is_flag=True, help="Run the drivers in a sandbox, where they can change no files.")
 @click.option("--view", is_flag=True, help="Show a 3D view.")
 @click.option(
-    "--json", "scoreboard", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
+    "--json", "scoreboard", type=click.File("a"), metavar="FILE",
     help="Append a line of JSON to FILE for each driver.",
 )  # fmt: skip
 @click.option(
     "--replay", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
     help="Write a page for each driver to DIR, which replays its race.",
 )  # fmt: skip
-def race(drivers: tuple[Path, ...], layout: str, scoreboard: Path | None, replay: Path | None, **how: bool) -> int:
+def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, replay: Path | None, **how: bool) -> int:
     """Score each DRIVER, a Python file with a node that publishes on /joy.
 
     A driver sees the line with the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
@@ -47,14 +49,16 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: Path | None, replay
     from tutorial.commands.checking.sandbox import need_sandbox
     from tutorial.system.paths import find_layout
 
-    _check_files(drivers)
     line = find_layout(layout)
     if how["sandbox"]:
         need_sandbox("leave out --sandbox")
+    if replay is not None:
+        try:
+            replay.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise TutorialError(f"the folder {replay} cannot be made: {error.strerror}.") from error
     _check_pictures()  # before MuJoCo is imported here, which can fail, too
     project = _project(line)
-    for folder in filter(None, (replay, scoreboard and scoreboard.parent)):
-        _make(folder)
     entries: list[Entry] = []
     interrupted = until_asked(_race_all(drivers, project, line.stem, entries, scoreboard, replay, **how))
     if entries:
@@ -77,9 +81,9 @@ def table(entries: list[Entry]) -> Table:
         rows.add_column(heading, justify="left" if heading in ("driver", "layout", "end") else "right")
     for entry in sorted(entries, key=lambda each: -each.result.score):
         result = entry.result
-        numbers = (f"{result.progress:.0%}", f"{result.seconds:.1f} s", result.end)
-        scored = (str(result.contacts), f"{result.score:.1f}")
-        rows.add_row(Text(printable(entry.driver)), Text(printable(entry.layout)), *numbers, *scored)
+        names = (printable(entry.driver), printable(entry.layout))
+        seen = (f"{result.progress:.0%}", f"{result.seconds:.1f} s", result.end, str(result.contacts))
+        rows.add_row(*map(Text, names), *seen, f"{result.score:.1f}")
     return rows
 
 
@@ -88,7 +92,7 @@ async def _race_all(
     project: Project,
     layout: str,
     entries: list[Entry],
-    scoreboard: Path | None,
+    scoreboard: TextIO | None,
     replay: Path | None,
     view: bool,
     sandbox: bool,
@@ -102,17 +106,8 @@ async def _race_all(
         html = None if replay is None else replay / f"{path.stem}-{layout}.html"
         entries.append(await race(path, project, layout, html, view, len(drivers) == 1, sandbox))
         if scoreboard is not None:
-            with scoreboard.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(entries[-1].as_dict()) + "\n")
-
-
-def _check_files(drivers: tuple[Path, ...]) -> None:
-    from tutorial.system.paths import is_file
-
-    for path in drivers:
-        if not is_file(path):
-            others = [str(other) for other in path.parent.glob("*.py")]
-            raise TutorialError(f"there is no file {str(path)!r}.{did_you_mean(str(path), others)}")
+            scoreboard.write(json.dumps(entries[-1].as_dict()) + "\n")
+            scoreboard.flush()
 
 
 def _project(line: Path) -> Project:
@@ -132,10 +127,3 @@ def _check_pictures() -> None:
     found = mujoco()
     if found.level != "ok":
         raise TutorialError(f"a race needs the camera's pictures, and MuJoCo can't render: {found.text}. {found.fix}.")
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise TutorialError(f"the folder {folder} cannot be made: {error.strerror}.") from error

@@ -151,7 +151,7 @@ async def race(
     Raises:
         TutorialError: the world does not fit the race, or a file cannot be written.
     """
-    before = _fingerprint()
+    before = fingerprint()
     async with AsyncExitStack() as stack:
         domain = stack.enter_context(reserved_domain(os.environ.get("ROS_DOMAIN_ID")))
         os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # the driver's, too
@@ -169,7 +169,7 @@ async def race(
         referee = host.controllers["Referee"]
         assert isinstance(referee, Referee)
         note, real_time = await _run(host, referee, driver)
-        if _fingerprint() != before:
+        if fingerprint() != before:
             referee.race.disqualify("files of the tutorial have changed during the race")
         result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
         return Entry(path.name, layout, result, result.foul or note, real_time)
@@ -211,7 +211,7 @@ async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float
     return driver.how_it_ended() if driver.ended else "the simulation has stopped", real_time
 
 
-def _fingerprint() -> bytes:
+def fingerprint() -> bytes:
     """Return a hash of the files that decide a race: the tutorial's code, its projects and its models."""
     digest = hashlib.sha256()
     for path in sorted((*PACKAGE.rglob("*.py"), *(original() / "project").rglob("*.*"))):
