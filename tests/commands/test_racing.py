@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import psutil
 import pytest
 from pictures import need_pictures
 from programs import need_sandbox_here
@@ -19,7 +20,11 @@ publishers = [node.create_publisher(Joy, "/joy", 1)]
 print("it stands")
 """
 DEAF = "import signal, subprocess, sys\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-DAEMON = "subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(999)'], start_new_session=True)\n"
+DAEMONS = """
+subprocess.run(["sh", "-c", "sleep 999 &"], start_new_session=True)
+unmarked = subprocess.Popen(["sleep", "999"], start_new_session=True, env={})
+open(__file__ + ".pid", "w").write(str(unmarked.pid))
+"""
 ENDLESS = "while True: pass\n"
 RIVAL = "from tf2_msgs.msg import TFMessage\npublishers.append(node.create_publisher(TFMessage, '/tf', 1))\n"
 NOSY = """
@@ -30,7 +35,7 @@ rclpy.spin(node)
 FAULTY = {
     "crash": (STANDS + "1 / 0\n", "ZeroDivisionError: division by zero"),
     "ends": ("print('score: 100')\n", "the driver's program has ended"),
-    "rival": (DEAF + DAEMON + STANDS + RIVAL + ENDLESS, "2 publishers on /tf, not 1"),
+    "rival": (DEAF + DAEMONS + STANDS + RIVAL + ENDLESS, "2 publishers on /tf, not 1"),
 }
 
 
@@ -70,6 +75,7 @@ def test_a_league_names_each_fault_and_leaves_nothing(program, tmp_path):
     assert {entry["score"] for entry in entries} == {0.0}
     assert "crash.py: ZeroDivisionError: division by zero" in running.output
     assert "score: 100" not in running.output
+    assert not psutil.pid_exists(int((tmp_path / "rival.py.pid").read_text()))
     running.leaves_nothing()
 
 

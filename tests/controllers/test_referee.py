@@ -53,7 +53,9 @@ async def test_a_drive_to_the_rail_finishes_and_is_published_and_shown(race):
         heard = []
         subscription = host.node.create_subscription(String, "/Tank/race", heard.append, 10)
         await until(subscription.get_publisher_count)
-        drive(host, 0.7)
+        drive(host, 0.3)
+        host.simulation.stop()  # and it goes on
+        drive(host, 0.4)
         assert (judged.result.progress, judged.result.end, judged.result.contacts) == (1.0, FINISHED, 0)
         await until(lambda: heard and json.loads(heard[-1].data) == judged.result.as_dict())
         await until(lambda: host.refresh() or b"rail touched: 100%" in scene.snapshot())

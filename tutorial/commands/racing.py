@@ -13,9 +13,10 @@ import threading
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,7 @@ from tutorial.view.web import SceneServer
 LIMITED = "from tutorial.commands.checking.sandbox import limit; limit(600, True); "
 PRELUDE = (
     "import runpy, sys, tutorial; from pathlib import Path; sys.argv = sys.argv[1:]; "
-    "sys.path[0] = str(Path(sys.argv[0]).parent); runpy.run_path(sys.argv[0], run_name='__main__')"
+    "sys.path.insert(0, str(Path(sys.argv[0]).parent)); runpy.run_path(sys.argv[0], run_name='__main__')"
 )
 """Runs a file as ``python FILE`` does, after ``import tutorial``, which makes rclpy importable."""
 
@@ -49,7 +50,7 @@ LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] until a driver has to publish on /joy: imports are slow on a loaded machine
 SETTLED = 0.5  # [s] without a new subscription, after which the driver counts as complete
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
-LINES_KEPT = 50
+LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
 
 
@@ -91,11 +92,10 @@ class Driver:
         self._lines: deque[str] = deque(maxlen=LINES_KEPT)
         self._hear = hear
         self._folder = tempfile.TemporaryDirectory(prefix="tank-race-", ignore_cleanup_errors=True)
-        command, variables = [sys.executable, "-c", PRELUDE, str(path.resolve())], dict(os.environ)
+        words, variables = [], dict(os.environ)
         if is_sandboxed:
-            command[2] = LIMITED + PRELUDE
-            command = [*sandbox(self._folder.name, path.resolve()), *command]
-            variables = environment(self._folder.name)
+            words, variables = sandbox(self._folder.name, path.resolve()), environment(self._folder.name)
+        command = [*words, sys.executable, "-P", "-c", LIMITED * is_sandboxed + PRELUDE, str(path.resolve())]
         self._process = parent_watch.start_watched(command, {**variables, MARK: self._mark})
         self._reader = threading.Thread(target=self._read, name="driver", daemon=True)
         self._reader.start()
@@ -114,22 +114,38 @@ class Driver:
         return printable(last.strip()) or f"the driver's program has ended with status {self._process.returncode}"
 
     def close(self) -> None:
-        """Ask the program to stop, and kill what is left of it, even processes that have left its group."""
+        """Ask the program to stop, and kill what is left of it, even processes that have left its group.
+
+        Outside a sandbox, a process survives if it has no parent and has also removed its mark.
+        """
         self._hear = lambda _: None  # Ctrl-C may make it print a traceback
+        started = self._descendants()
         parent_watch.signal_group(self._process.pid, signal.SIGINT)
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(STOP_WITHIN)
         parent_watch.signal_group(self._process.pid, signal.SIGKILL)
+        for process in {*started, *self._marked()}:
+            with suppress(psutil.Error):
+                process.kill()
+        self._process.wait()
+        self._reader.join(STOP_WITHIN)
+        self._folder.cleanup()
+
+    def _descendants(self) -> list[psutil.Process]:
+        with suppress(psutil.Error):
+            return psutil.Process(self._process.pid).children(recursive=True)
+        return []
+
+    def _marked(self) -> Iterator[psutil.Process]:
         for process in psutil.process_iter():
             with suppress(psutil.Error):
                 if process.environ().get(MARK) == self._mark:
-                    process.kill()
-        self._reader.join()
-        self._folder.cleanup()
+                    yield process
 
     def _read(self) -> None:
-        with self._process:
-            for line in self._process.stdout or ():
+        with self._process as process:
+            assert process.stdout is not None
+            for line in iter(partial(process.stdout.readline, LONGEST_LINE), ""):
                 self._lines.append(line)
                 self._hear(line)
 

@@ -24,6 +24,7 @@ class Referee(SimpleController):
     """
 
     limit = LIMIT  # [s] the longest race
+    begun = False
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher. Its topic is named after the body."""
@@ -31,7 +32,9 @@ class Referee(SimpleController):
         self.publisher = self.node.create_publisher(String, f"{self.body.name}/race", 10)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Find the line and the things that the tank can touch. A race begins whenever the simulation starts."""
+        """Find the line and the things that the tank can touch. If the simulation starts again, the race goes on."""
+        if self.begun:
+            return
         self.io, self.start = io, io.time
         line = line_points(io.body.model, io.body.data).tolist()
         if not line:
@@ -47,6 +50,7 @@ class Referee(SimpleController):
         self.steps_per_check = round(1 / (CHECKS * io.time_step))
         self.checks_per_message = CHECKS // MESSAGES
         self.checks = 0
+        self.begun = True
 
     def control(self) -> None:  # simulation thread, every step
         """Check the tank, and publish the score, when they are due."""
