@@ -123,11 +123,6 @@ class Race:
         """Whether the race has ended."""
         return bool(self.result.end)
 
-    @property
-    def on_line(self) -> bool:
-        """Whether the tank has been at the start of the line."""
-        return self._next > 0
-
     def disqualify(self, foul: str) -> None:
         """End the race without points, or take the points away if it is over. The first foul is reported."""
         self.result = replace(self.result, end=FOUL, foul=self.result.foul or foul)

@@ -13,7 +13,7 @@ import threading
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -119,28 +119,28 @@ class Driver:
         Outside a sandbox, a process survives if it has no parent and has also removed its mark.
         """
         self._hear = lambda _: None  # Ctrl-C may make it print a traceback
-        started = self._descendants()
+        before = self._family()
         parent_watch.signal_group(self._process.pid, signal.SIGINT)
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(STOP_WITHIN)
         parent_watch.signal_group(self._process.pid, signal.SIGKILL)
-        for process in {*started, *self._marked()}:
+        for process in before | self._family():
             with suppress(psutil.Error):
                 process.kill()
         self._process.wait()
         self._reader.join(STOP_WITHIN)
         self._folder.cleanup()
 
-    def _descendants(self) -> list[psutil.Process]:
+    def _family(self) -> set[psutil.Process]:
+        """Return the processes that descend from the program, or have its mark."""
+        family: set[psutil.Process] = set()
         with suppress(psutil.Error):
-            return psutil.Process(self._process.pid).children(recursive=True)
-        return []
-
-    def _marked(self) -> Iterator[psutil.Process]:
+            family.update(psutil.Process(self._process.pid).children(recursive=True))
         for process in psutil.process_iter():
             with suppress(psutil.Error):
                 if process.environ().get(MARK) == self._mark:
-                    yield process
+                    family.add(process)
+        return family
 
     def _read(self) -> None:
         with self._process as process:

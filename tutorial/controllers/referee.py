@@ -1,9 +1,11 @@
 """The referee of a race: it sees the true state of the world, and publishes the score."""
 
 import json
+import math
 from collections import Counter
 
 import mujoco
+import numpy as np
 from std_msgs.msg import String
 
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -39,12 +41,11 @@ class Referee(SimpleController):
         line = line_points(io.body.model, io.body.data).tolist()
         if not line:
             raise TutorialError("there is no line in this world. Add one to the project: 'model: race/bend.yaml'.")
-        self.race = Race(line, self.limit)
-        self.race.update(0.0, tuple(io.body.position.tolist()), (), on_rail=False)
-        if not self.race.on_line:
+        if math.dist(line[0], io.body.position[:2]) > REACH:
             raise TutorialError(f"the line begins more than {REACH:g} m from the tank, at {line[0]}. Move one of them.")
+        self.race = Race(line, self.limit)
         self.names = _geom_names(io.body.model)
-        self.floor = _floor_geoms(io.body.model)
+        self.floor = set(np.flatnonzero(io.body.model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).tolist())
         self.expected = Counter(each.topic_name for each in self.node.publishers if each.topic_name not in SHARED)
         self.expected[self.node.resolve_topic_name("joy")] += 1
         self.steps_per_check = round(1 / (CHECKS * io.time_step))
@@ -99,7 +100,3 @@ class Referee(SimpleController):
 def _geom_names(model: mujoco.MjModel) -> list[str]:
     """Return a name for each geom that begins with its body's: its own or, without one, that of its MuJoCo body."""
     return [model.geom(i).name or model.body(model.geom_bodyid[i]).name for i in range(model.ngeom)]
-
-
-def _floor_geoms(model: mujoco.MjModel) -> set[int]:
-    return {i for i in range(model.ngeom) if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_PLANE}
