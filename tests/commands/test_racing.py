@@ -6,7 +6,7 @@ from pathlib import Path
 import psutil
 import pytest
 from pictures import need_pictures
-from programs import need_sandbox_here
+from programs import need_sandbox_here, until
 
 from tutorial.commands import racing
 
@@ -75,7 +75,8 @@ def test_a_league_names_each_fault_and_leaves_nothing(program, tmp_path):
     assert {entry["score"] for entry in entries} == {0.0}
     assert "crash.py: ZeroDivisionError: division by zero" in running.output
     assert "score: 100" not in running.output
-    assert not psutil.pid_exists(int((tmp_path / "rival.py.pid").read_text()))
+    unmarked = int((tmp_path / "rival.py.pid").read_text())
+    until(lambda: not psutil.pid_exists(unmarked), "the end of the process without a mark")
     running.leaves_nothing()
 
 
