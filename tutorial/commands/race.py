@@ -40,7 +40,8 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
     """Score each DRIVER, a Python file with a node that publishes on /joy.
 
     A driver sees the line with the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
-    turret, and touches the orange rail with the barrel. The table is sorted by the score, which is at most 100.
+    turret, and touches the orange rail with the barrel. A race ends after 40 s, after 10 s without progress, and
+    when the driver's program ends. The table is sorted by the score, which is at most 100.
 
     The exit status is 1 if a driver failed, and also if a race was not fair.
     """
