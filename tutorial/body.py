@@ -183,6 +183,7 @@ class Body:
         joints: the hinge and slide joints of groups 0 to 2, in the model's order. Higher groups, which MuJoCo hides,
             hold joints of internal parts, such as the wheels in a track.
         qpos_slice: the body's part of MuJoCo's ``qpos``.
+        note: text that a controller of a displayed body shows in the line below the view.
     """
 
     def __init__(
@@ -197,6 +198,7 @@ class Body:
         self.model = model
         self.data = data
         self.find_camera = find_camera
+        self.note = ""
         ids = [i for i in range(model.njnt) if model.joint(i).name.startswith(f"{name}/")]
         shown = [i for i in ids if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS]
         names = {i: model.joint(i).name.removeprefix(f"{name}/") for i in shown}

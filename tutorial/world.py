@@ -7,7 +7,8 @@ from pathlib import Path
 
 import mujoco
 
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, did_you_mean
+from tutorial.model.line_file import read_line
 from tutorial.model.mujoco_warnings import mujoco_warns, no_python_warnings
 from tutorial.model.options import set_options
 from tutorial.model.urdf_file import read_urdf
@@ -26,15 +27,17 @@ class Placement:
 
     Attributes:
         name: the body's name; its elements are called ``name/element`` in the composed model.
-        model: path of its MJCF or URDF file.
+        model: path of its MJCF or URDF file, or of a line's YAML file (`tutorial.model.line_file`).
         position: the position of the model's origin in the world [m], (x, y, z).
         orientation_wxyz: a unit quaternion in MuJoCo's order, (w, x, y, z).
+        without: the names of geoms in the model to leave out.
     """
 
     name: str
     model: Path
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     orientation_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    without: tuple[str, ...] = ()
 
 
 def compose(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjModel:
@@ -76,7 +79,7 @@ def world_spec(placements: Iterable[Placement], time_step: float | None = None) 
 def _make_world(placements: Iterable[Placement], time_step: float | None) -> tuple[mujoco.MjSpec, str]:
     """Make a world, and describe the options of its models that it does not use."""
     placements = list(placements)
-    parts = [_read(placement.model) for placement in placements]
+    parts = [_read(placement) for placement in placements]
     world = mujoco.MjSpec()
     world.modelname = "world"
     unused = set_options(world, [(each.model, part) for each, part in zip(placements, parts)], time_step)
@@ -90,15 +93,22 @@ def _make_world(placements: Iterable[Placement], time_step: float | None) -> tup
     return world, unused
 
 
-def _read(path: Path) -> mujoco.MjSpec:
-    """Read a model: an MJCF file or a URDF."""
+def _read(placement: Placement) -> mujoco.MjSpec:
+    """Read a model, an MJCF file, a URDF or a line, without the geoms to leave out."""
+    path = placement.model
     try:
         str(path).encode()  # MuJoCo accepts only names in UTF-8
         with no_python_warnings():
-            spec = read_urdf(path)
-            return mujoco.MjSpec.from_file(str(path)) if spec is None else spec
+            spec = read_line(path) or read_urdf(path) or mujoco.MjSpec.from_file(str(path))
     except FAILS as error:
         raise _does_not_load(path, error) from error
+    for name in placement.without:
+        geom = spec.geom(name)
+        if geom is None:
+            known = [each.name for each in spec.geoms if each.name]
+            raise TutorialError(f"{path.name} has no geom {name!r}.{did_you_mean(name, known)}")
+        spec.delete(geom)
+    return spec
 
 
 def _does_not_load(path: Path, error: Exception) -> TutorialError:

@@ -46,6 +46,8 @@ class TankController(SimpleController):
         ("bag play a --clock 1e308", 2, "1e+308 is not in the range 0<x<=1000."),
         ("chaos --from a-b", 1, "topic name"),
         ("chaos -f shufle", 2, "there is no fault 'shufle'. Did you mean 'shuffle'?"),
+        ("race mne.py", 2, "File 'mne.py' does not exist."),
+        ("race mine.py --layout bnd", 1, "Error: there is no layout 'bnd'. Did you mean 'bend'?"),
         ("run step1 --headless --controller mine.py", 1, ": mine.py, line 4, in control: ZeroDivisionError: "),
     ],
 )

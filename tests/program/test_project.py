@@ -15,7 +15,7 @@ from tutorial.errors import TutorialError
 from tutorial.program.controller_files import controller_names, find_controller, load_controllers
 from tutorial.program.project import Project
 from tutorial.system.paths import HOME, find_launch_file, find_project
-from tutorial.world import Placement, compose
+from tutorial.world import Placement, compose, world_spec
 
 
 @pytest.fixture
@@ -108,6 +108,14 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         project.with_robot(Path("m\udce4.xml"))
 
 
+def test_a_body_can_lack_geoms_of_its_model(write):
+    project = Project.load(write(body(f"name: Tank, model: {HOME}/project/models/tank.xml, without: [ANTENNA]")))
+    names = {geom.name for geom in world_spec([each.placement for each in project.bodies]).geoms}
+    assert ("Tank/ANTENNA" in names, "Tank/ANTENNA_TIP" in names) == (False, True)
+    with pytest.raises(TutorialError, match=r"labo\.xml has no geom 'ANTENNA'"):
+        project.with_model("Tank", HOME / "project/models/labo.xml")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -132,6 +140,7 @@ def test_another_robot_replaces_the_controlled_one(tmp_path):
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),
         (body("model: models/tnak.xml"), "line 2: there is no model 'models/tnak.xml'. Did you mean 'models/tank."),
+        (body("without: [GUN]"), "line 2: tank.xml has no geom 'GUN'. There are none."),
         (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'."),
     ],
 )

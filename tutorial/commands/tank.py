@@ -21,6 +21,7 @@ from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
+from tutorial.commands.race import race
 from tutorial.commands.ros import ros
 from tutorial.commands.service import param, service
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
@@ -224,7 +225,7 @@ def urdf(model: str) -> None:
     print_text(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
 
 
-for command in (bag, chaos, check, node, package, param, ros, service, topic):
+for command in (bag, chaos, check, node, package, param, race, ros, service, topic):
     tank.add_command(command)
 
 

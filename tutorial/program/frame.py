@@ -23,7 +23,8 @@ def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseExce
             view.update(name, item.body.data)
         view.show_stale(name, item.joints.stale())
     lines, readings = _describe_bodies(view, items)
-    view.line("  |  ".join(filter(None, (note, _describe_error(error), *lines))), readings)
+    notes = (item.body.note for item in items.values())
+    view.line("  |  ".join(filter(None, (note, _describe_error(error), *notes, *lines))), readings)
     view.flush()
 
 

@@ -15,10 +15,11 @@ import msgspec
 
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
+from tutorial.model.line_file import SUFFIX
 from tutorial.program.controller_files import find_controller
-from tutorial.program.yamlfile import YamlFile
 from tutorial.system.paths import PACKAGE, is_file
 from tutorial.world import Placement, compose
+from tutorial.yamlfile import YamlFile
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -32,6 +33,7 @@ class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
 class _Body(msgspec.Struct, forbid_unknown_fields=True):
     name: str
     model: str
+    without: tuple[str, ...] = ()
     position: Point = (0.0, 0.0, 0.0)
     controllers: list[str] = []
     count: Annotated[int, msgspec.Meta(ge=1, le=1000)] | msgspec.UnsetType = msgspec.UNSET
@@ -121,6 +123,27 @@ class Project:
         swapped = replace(robots[0], placement=replace(robots[0].placement, name=name, model=model))
         return self._with(lambda item: swapped if item is robots[0] else item)
 
+    def with_model(self, body: str, model: Path) -> Project:
+        """Return a project in which a body has a different model, such as a different line.
+
+        Args:
+            body: the body's name.
+            model: a file as for `Placement`.
+
+        Raises:
+            TutorialError: there is no such body, or the model cannot be loaded.
+        """
+        self._check_name(body)
+
+        def swap(item: BodyItem) -> BodyItem:
+            if item.placement.name != body:
+                return item
+            placement = replace(item.placement, model=model)
+            compose([placement])  # raises an error if the model cannot be loaded
+            return replace(item, placement=placement)
+
+        return self._with(swap)
+
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
         """Return a project that gives a body these controllers instead of the ones that the file names.
 
@@ -134,9 +157,7 @@ class Project:
         for given in classes:
             if not (isinstance(given, type) and issubclass(given, SimpleController)):
                 raise TutorialError(f"{given!r} is not a controller. Give a class derived from SimpleController.")
-        names = [item.placement.name for item in self.bodies]
-        if body not in names:
-            raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
+        self._check_name(body)
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
@@ -170,6 +191,11 @@ class Project:
             lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms{', /clock' * self.clock})"]
         return "\n".join(lines)
 
+    def _check_name(self, body: str) -> None:
+        names = [item.placement.name for item in self.bodies]
+        if body not in names:
+            raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
+
     def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
         return replace(self, bodies=tuple(map(change, self.bodies)))
 
@@ -196,12 +222,15 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Co
             raise TutorialError(f"there is already a body {duplicates[0]!r}. Rename this one.")
     with at("model"):
         model = _find_model(file.path.parent, body.model)
+    if body.without:
+        with at("without"):
+            compose([Placement("Model", model, without=body.without)])
     controllers = []
     for i, name in enumerate(body.controllers):
         with at("controllers", i):
             controllers.append(find_controller(name))
     places = _grid(len(body.names), body.position, body.spacing)
-    placements = [Placement(name, model, place) for name, place in zip(body.names, places)]
+    placements = [Placement(name, model, place, without=body.without) for name, place in zip(body.names, places)]
     return {each.name: BodyItem(each, tuple(controllers)) for each in placements}
 
 
@@ -215,7 +244,9 @@ def _unfit(name: str) -> str:
 def _find_model(folder: Path, given: str) -> Path:
     """Find a model in the project's folder, and compile it once, so that an error names the project's line."""
     if not is_file(folder / given):
-        known = [str(path.relative_to(folder)) for path in (*folder.glob("*.xml"), *folder.glob("*/*.xml"))]
+        suffix = SUFFIX if given.endswith(SUFFIX) else ".xml"
+        paths = (*folder.glob(f"*{suffix}"), *folder.glob(f"*/*{suffix}"))
+        known = [str(path.relative_to(folder)) for path in paths]
         raise TutorialError(f"there is no model {given!r}.{did_you_mean(given, known)}")
     compose([Placement("Model", folder / given)])
     return folder / given

@@ -44,8 +44,12 @@ def find_home(start: Path) -> Path:
     Args:
         start: the working directory, absolute.
     """
-    beside = PACKAGE.parent if is_course(PACKAGE.parent) else SHIPPED
-    return next((folder for folder in (start, *start.parents) if is_course(folder) and is_ours(folder)), beside)
+    return next((folder for folder in (start, *start.parents) if is_course(folder) and is_ours(folder)), original())
+
+
+def original() -> Path:
+    """Return the course folder that came with the package, which is not a learner's copy."""
+    return PACKAGE.parent if is_course(PACKAGE.parent) else SHIPPED
 
 
 def is_course(folder: Path) -> bool:
@@ -78,6 +82,15 @@ def find_drive(given: str) -> Path:
         TutorialError: there is no such drive; the error suggests the nearest name.
     """
     return _find(given, HOME / "project" / "drives", ".yaml", "drive")
+
+
+def find_layout(given: str) -> Path:
+    """Find the line of a race by its path or, in the `original` course folder, by its name, such as ``bend``.
+
+    Raises:
+        TutorialError: there is no such layout; the error suggests the nearest name.
+    """
+    return _find(given, original() / "project" / "race", ".yaml", "layout")
 
 
 def find_launch_file(given: str) -> Path:

@@ -36,40 +36,46 @@ REFUSED = b"add_key request_key keyctl memfd_create shmget chmod fchmod fchmodat
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # from seccomp.h
 NO_SANDBOX = (
     "an answer is a stranger's program, and there is no sandbox for it here: {}. On Debian and Ubuntu, sudo apt-get "
-    "install bubblewrap libseccomp2 adds it. If you trust the answers or use a virtual machine, give --no-sandbox."
+    "install bubblewrap libseccomp2 adds it. If you trust the answers or use a virtual machine, {}."
 )
 
 
-def sandbox(folder: str) -> list[str]:
+def sandbox(folder: str, file: Path | None = None) -> list[str]:
     """Return the arguments to put before a command to run it in a sandbox.
 
     Args:
         folder: the writable folder. Files written there are invisible outside the sandbox.
+        file: another file to read, of a program that talks to programs outside, and so also has their network; or None.
     """
+    shared = () if file is None else ("--share-net", "--ro-bind", str(file), str(file))
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
     shown = COURSE if is_course(PACKAGE.parent) else ()  # empty folders that mark a checkout
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
-    bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
+    writable = ("/dev/shm", folder) if file is None else (folder,)  # Fast DDS must not find memory that it can't share
+    bounded = [word for path in writable for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # where root could write
     return [
         *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
-        *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
+        *(*readable, *shared, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
     ]
 
 
-def need_sandbox() -> None:
+def need_sandbox(otherwise: str = "give --no-sandbox") -> None:
     """Check that the sandbox works.
+
+    Args:
+        otherwise: how to do without it, for the error.
 
     Raises:
         TutorialError: it does not; the error says why, and how to fix it.
     """
     for what, found in (("the program bwrap", shutil.which("bwrap")), (SECCOMP, find_library("seccomp"))):
         if found is None:
-            raise TutorialError(NO_SANDBOX.format(f"{what} is not found"))
+            raise TutorialError(NO_SANDBOX.format(f"{what} is not found", otherwise))
     done = subprocess.run([*sandbox("/tmp"), "true"], capture_output=True, text=True, check=False)
     if done.returncode:
-        raise TutorialError(NO_SANDBOX.format(done.stderr.strip() or "bwrap fails"))
+        raise TutorialError(NO_SANDBOX.format(done.stderr.strip() or "bwrap fails", otherwise))
 
 
 def limit(seconds: int, is_sandboxed: bool) -> None:

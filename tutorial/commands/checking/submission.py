@@ -97,7 +97,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             pass_fds=[file.fileno()],
             start_new_session=True,
             cwd=folder,
-            env=_environment(folder),
+            env=environment(folder),
         )
         starting = asyncio.ensure_future(command)  # a cancelled start might never return
         try:
@@ -138,7 +138,8 @@ def _mapped(process: psutil.Process) -> int:
     return 0
 
 
-def _environment(folder: str) -> dict[str, str]:
+def environment(folder: str) -> dict[str, str]:
+    """Return the environment of a stranger's program, whose files are in a folder."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     return {
         **{name: value for name, value in os.environ.items() if name.startswith(KEPT)},

@@ -1,0 +1,130 @@
+"""The command ``tank race``: a learner's node drives the tank along a line, and gets a score."""
+
+# ruff: noqa: PLC0415 - help must be fast
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+import click
+
+from tutorial.commands.terminal import INTERRUPTED, until_asked
+from tutorial.errors import TutorialError, printable
+from tutorial.system.printing import print_text
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from tutorial.commands.racing import Entry
+    from tutorial.program.project import Project
+
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+@click.command(short_help="Let a node of your own drive the tank along a line, and score it.")
+@click.argument("drivers", nargs=-1, required=True, metavar="DRIVER...", type=FILE)
+@click.option("--layout", default="bend", show_default=True, help="Use this line: a name, or a YAML file of points.")
+@click.option("--sandbox", is_flag=True, help="Run the drivers in a sandbox, where they can change no files.")
+@click.option("--view", is_flag=True, help="Show a 3D view.")
+@click.option(
+    "--json", "scoreboard", type=click.File("a"), metavar="FILE",
+    help="Append a line of JSON to FILE for each driver.",
+)  # fmt: skip
+@click.option(
+    "--replay", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
+    help="Write a page for each driver to DIR, which replays its race.",
+)  # fmt: skip
+def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, replay: Path | None, **how: bool) -> int:
+    """Score each DRIVER, a Python file with a node that publishes on /joy.
+
+    A driver sees the line with the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
+    turret, and touches the orange rail with the barrel. A race ends after 40 s, after 10 s without progress, and
+    when the driver's program ends. The table is sorted by the score, which is at most 100.
+
+    The exit status is 1 if a driver failed, and also if a race was not fair.
+    """
+    from rich.console import Console
+
+    from tutorial.commands.checking.sandbox import need_sandbox
+    from tutorial.system.paths import find_layout
+
+    line = find_layout(layout)
+    if how["sandbox"]:
+        need_sandbox("leave out --sandbox")
+    if replay is not None:
+        try:
+            replay.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise TutorialError(f"the folder {replay} cannot be made: {error.strerror}.") from error
+    _check_pictures()  # before MuJoCo is imported here, which can fail, too
+    project = _project(line)
+    entries: list[Entry] = []
+    interrupted = until_asked(_race_all(drivers, project, line.stem, entries, scoreboard, replay, **how))
+    if entries:
+        Console(highlight=False).print(table(entries))
+        print_text("".join(f"{printable(each.driver)}: {each.note}\n" for each in entries if each.note))
+    if interrupted:
+        print_text(f"Interrupted: {len(drivers) - len(entries)} of {len(drivers)} races were not finished.\n", err=True)
+        return INTERRUPTED
+    return int(any(entry.note for entry in entries))
+
+
+def table(entries: list[Entry]) -> Table:
+    """Lay out the entries, best score first."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    rows = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("driver", "layout", "progress", "time", "end", "contacts", "score"):
+        rows.add_column(heading, justify="left" if heading in ("driver", "layout", "end") else "right")
+    for entry in sorted(entries, key=lambda each: -each.result.score):
+        result = entry.result
+        names = (printable(entry.driver), printable(entry.layout))
+        seen = (f"{result.progress:.0%}", f"{result.seconds:.1f} s", result.end, str(result.contacts))
+        rows.add_row(*map(Text, names), *seen, f"{result.score:.1f}")
+    return rows
+
+
+async def _race_all(
+    drivers: tuple[Path, ...],
+    project: Project,
+    layout: str,
+    entries: list[Entry],
+    scoreboard: TextIO | None,
+    replay: Path | None,
+    view: bool,
+    sandbox: bool,
+) -> None:
+    """Run one race after another, because two at a time would slow each other down."""
+    from tutorial.commands.racing import race
+
+    for number, path in enumerate(drivers, start=1):
+        if len(drivers) > 1:
+            print_text(f"{number} of {len(drivers)}: {path.name}\n", err=True)
+        html = None if replay is None else replay / f"{path.stem}-{layout}.html"
+        entries.append(await race(path, project, layout, html, view, len(drivers) == 1, sandbox))
+        if scoreboard is not None:
+            scoreboard.write(json.dumps(entries[-1].as_dict()) + "\n")
+            scoreboard.flush()
+
+
+def _project(line: Path) -> Project:
+    """Load the race that came with the tutorial, not a learner's copy, with this line."""
+    from tutorial import ros_backend
+    from tutorial.program.project import Project
+    from tutorial.system.paths import original
+
+    ros_backend()  # otherwise, an error would blame the first controller that imports rclpy
+    return Project.load(original() / "project" / "race.yaml").with_model("Line", line)
+
+
+def _check_pictures() -> None:
+    """Raise an error if this machine cannot render the camera's pictures."""
+    from tutorial.commands.doctor import mujoco
+
+    found = mujoco()
+    if found.level != "ok":
+        raise TutorialError(f"a race needs the camera's pictures, and MuJoCo can't render: {found.text}. {found.fix}.")

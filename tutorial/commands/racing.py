@@ -1,0 +1,235 @@
+"""Runs one race: the simulation in this process, and a learner's node, the driver, in a process of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable
+from contextlib import AsyncExitStack, suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from tutorial.commands.checking.sandbox import sandbox
+from tutorial.commands.checking.submission import environment
+from tutorial.controllers.referee import Referee
+from tutorial.errors import printable
+from tutorial.program.host import Host
+from tutorial.program.project import Project
+from tutorial.race import Result
+from tutorial.ros.domains import reserved_domain
+from tutorial.system import parent_watch
+from tutorial.system.paths import PACKAGE, original
+from tutorial.system.printing import print_text
+from tutorial.view.bodies import View
+from tutorial.view.replay import recorded
+from tutorial.view.scene import Scene
+from tutorial.view.web import SceneServer
+
+LIMITED = "from tutorial.commands.checking.sandbox import limit; limit(600, True); "
+PRELUDE = (
+    "import runpy, sys, tutorial; from pathlib import Path; sys.argv = sys.argv[1:]; "
+    "sys.path.insert(0, str(Path(sys.argv[0]).parent)); runpy.run_path(sys.argv[0], run_name='__main__')"
+)
+"""Runs a file as ``python FILE`` does, after ``import tutorial``, which makes rclpy importable."""
+
+NO_START, DRIVER_ENDED = "no start", "driver ended"
+LOOK = 0.05  # [s] between checks of the driver
+MEET_FOR = 20.0  # [s] until a driver has to publish on /joy: imports are slow on a loaded machine
+SETTLED = 0.5  # [s] without a new subscription, after which the driver counts as complete
+STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
+LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
+MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One row of the table.
+
+    Attributes:
+        driver: the driver's file.
+        layout: the name of the line.
+        result: what the referee has seen.
+        note: what was wrong with the driver or the race; may be empty.
+        real_time: simulated time divided by real time: below 1, the machine was too slow for a fair race.
+    """
+
+    driver: str
+    layout: str
+    result: Result
+    note: str = ""
+    real_time: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry for JSON."""
+        entry = {"driver": self.driver, "layout": self.layout, **self.result.as_dict()}
+        return {**entry, "note": self.note, "real_time": round(self.real_time, 3)}
+
+
+class Driver:
+    """A driver's program, with everything that it starts.
+
+    Args:
+        path: the Python file.
+        hear: called with each line of its output, on a separate thread.
+        is_sandboxed: whether it runs in a sandbox, where it can change no files.
+    """
+
+    def __init__(self, path: Path, hear: Callable[[str], object], is_sandboxed: bool) -> None:
+        self._mark = uuid.uuid4().hex
+        self._lines: deque[str] = deque(maxlen=LINES_KEPT)
+        self._hear = hear
+        self._folder = tempfile.TemporaryDirectory(prefix="tank-race-", ignore_cleanup_errors=True)
+        words, variables = [], dict(os.environ)
+        if is_sandboxed:
+            words, variables = sandbox(self._folder.name, path.resolve()), environment(self._folder.name)
+        command = [*words, sys.executable, "-P", "-c", LIMITED * is_sandboxed + PRELUDE, str(path.resolve())]
+        self._process = parent_watch.start_watched(command, {**variables, MARK: self._mark})
+        self._reader = threading.Thread(target=self._read, name="driver", daemon=True)
+        self._reader.start()
+
+    @property
+    def ended(self) -> bool:
+        """Whether its program has ended."""
+        return self._process.poll() is not None
+
+    def how_it_ended(self) -> str:
+        """Describe the end of its program. After an error, quote the last line, which is the traceback's."""
+        self._reader.join(STOP_WITHIN)
+        if not self._process.returncode:
+            return "the driver's program has ended"
+        last = next((line for line in reversed(self._lines) if line.strip()), "")
+        return printable(last.strip()) or f"the driver's program has ended with status {self._process.returncode}"
+
+    def close(self) -> None:
+        """Ask the program to stop, and kill what is left of it, even processes that have left its group.
+
+        Outside a sandbox, a process survives if it has no parent and has also removed its mark.
+        """
+        self._hear = lambda _: None  # Ctrl-C may make it print a traceback
+        before = self._family()
+        parent_watch.signal_group(self._process.pid, signal.SIGINT)
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(STOP_WITHIN)
+        parent_watch.signal_group(self._process.pid, signal.SIGKILL)
+        for process in before | self._family():
+            with suppress(psutil.Error):
+                process.kill()
+        self._process.wait()
+        self._reader.join(STOP_WITHIN)
+        self._folder.cleanup()
+
+    def _family(self) -> set[psutil.Process]:
+        """Return the processes that descend from the program, or have its mark."""
+        family: set[psutil.Process] = set()
+        with suppress(psutil.Error):
+            family.update(psutil.Process(self._process.pid).children(recursive=True))
+        for process in psutil.process_iter():
+            with suppress(psutil.Error):
+                if process.environ().get(MARK) == self._mark:
+                    family.add(process)
+        return family
+
+    def _read(self) -> None:
+        with self._process as process:
+            assert process.stdout is not None
+            for line in iter(partial(process.stdout.readline, LONGEST_LINE), ""):
+                self._lines.append(line)
+                self._hear(line)
+
+
+async def race(
+    path: Path, project: Project, layout: str, html: Path | None, view: bool, loud: bool, is_sandboxed: bool
+) -> Entry:
+    """Run one race in a ROS domain of its own, and stop everything that belongs to it.
+
+    Args:
+        path: the driver's file.
+        project: a project with a `Referee`.
+        layout: the name of the line.
+        html: where to write a page that replays the race; None for no page.
+        view: whether to serve a 3D view.
+        loud: whether to print the driver's output, on stderr.
+        is_sandboxed: whether the driver runs in a sandbox.
+
+    Raises:
+        TutorialError: the world does not fit the race, or a file cannot be written.
+    """
+    before = fingerprint()
+    async with AsyncExitStack() as stack:
+        domain = stack.enter_context(reserved_domain(os.environ.get("ROS_DOMAIN_ID")))
+        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # the driver's, too
+        scene = Scene()
+        host = await stack.enter_async_context(Host(project, None, View(scene) if view or html else None))
+        if view:
+            server = await stack.enter_async_context(SceneServer(scene, title="race"))
+            print_text(f"3D view: {server.url}\n")
+        if html is not None:
+            stack.enter_context(recorded(scene, html, f"{path.name}, {layout}", host.shown_at, host.joint_positions))
+        driver = Driver(path, (lambda line: print_text(line, err=True)) if loud else (lambda _: None), is_sandboxed)
+        stack.callback(driver.close)
+        if problem := await _meet(host, driver):
+            return Entry(path.name, layout, Result(end=NO_START), problem)
+        referee = host.controllers["Referee"]
+        assert isinstance(referee, Referee)
+        note, real_time = await _run(host, referee, driver)
+        if fingerprint() != before:
+            referee.race.disqualify("files of the tutorial have changed during the race")
+        result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
+        return Entry(path.name, layout, result, result.foul or note, real_time)
+
+
+async def _meet(host: Host, driver: Driver) -> str:
+    """Wait until a driver publishes on ``/joy``, and makes no more subscriptions; return why it doesn't, or ""."""
+    deadline = time.monotonic() + MEET_FOR
+    topic = host.node.resolve_topic_name("joy")
+    while not host.node.count_publishers(topic):
+        if driver.ended:
+            return driver.how_it_ended()
+        if time.monotonic() > deadline:
+            return f"it has not created a publisher on {topic} within {MEET_FOR:g} s"
+        await asyncio.sleep(LOOK)
+    count, since = -1, 0.0
+    while time.monotonic() - since < SETTLED:
+        before, count = count, sum(each.get_subscription_count() for each in host.node.publishers)
+        since = since if count == before else time.monotonic()
+        await asyncio.sleep(LOOK)
+    return ""
+
+
+async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float]:
+    """Run a race to its end. Return what ended it early, and simulated time divided by real time."""
+    simulation = host.simulation
+    assert simulation is not None
+    simulation.advance(simulation.time_step)  # in lockstep: it waits for the first picture, which also starts OpenGL
+
+    def look(_: float) -> None:
+        if referee.race.over or driver.ended:
+            simulation.stop()
+
+    began, from_time = time.perf_counter(), simulation.time
+    await host.run(referee.limit, progress=look)
+    real_time = (simulation.time - from_time) / (time.perf_counter() - began)
+    if referee.race.over:
+        return "", real_time
+    return driver.how_it_ended() if driver.ended else "the simulation has stopped", real_time
+
+
+def fingerprint() -> bytes:
+    """Return a hash of the files that decide a race: the tutorial's code, its projects and its models."""
+    digest = hashlib.sha256()
+    for path in sorted((*PACKAGE.rglob("*.py"), *(original() / "project").rglob("*.*"))):
+        digest.update(f"{path} {path.stat().st_size}\n".encode() + path.read_bytes())
+    return digest.digest()

@@ -1,0 +1,102 @@
+"""The referee of a race: it sees the true state of the world, and publishes the score."""
+
+import json
+import math
+from collections import Counter
+
+import mujoco
+import numpy as np
+from std_msgs.msg import String
+
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.errors import TutorialError
+from tutorial.model.line_file import line_points
+from tutorial.race import LIMIT, REACH, Race, Result
+
+CHECKS = 200  # [Hz] of the tank's position and contacts, in simulated time
+MESSAGES = 2  # [Hz] of the score, and of the count of publishers
+SHARED = ("/rosout", "/parameter_events")  # topics on which every node of a real ROS 2 publishes
+
+
+class Referee(SimpleController):
+    """Judge a race of its body along the world's line, and publish the score as JSON.
+
+    A race is fair if one node alone publishes on ``joy``, nobody else publishes on a topic of the simulation, and only
+    the motors move the tank.
+    """
+
+    limit = LIMIT  # [s] the longest race
+    begun = False
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Create the publisher. Its topic is named after the body."""
+        self.node, self.body, self.call_latest = config.node, config.body, config.call_latest
+        self.publisher = self.node.create_publisher(String, f"{self.body.name}/race", 10)
+
+    def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
+        """Find the line and the things that the tank can touch. If the simulation starts again, the race goes on."""
+        if self.begun:
+            return
+        self.io, self.start = io, io.time
+        line = line_points(io.body.model, io.body.data).tolist()
+        if not line:
+            raise TutorialError("there is no line in this world. Add one to the project: 'model: race/bend.yaml'.")
+        if math.dist(line[0], io.body.position[:2]) > REACH:
+            raise TutorialError(f"the line begins more than {REACH:g} m from the tank, at {line[0]}. Move one of them.")
+        self.race = Race(line, self.limit)
+        self.names = _geom_names(io.body.model)
+        self.floor = set(np.flatnonzero(io.body.model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).tolist())
+        self.expected = Counter(each.topic_name for each in self.node.publishers if each.topic_name not in SHARED)
+        self.expected[self.node.resolve_topic_name("joy")] += 1
+        self.steps_per_check = round(1 / (CHECKS * io.time_step))
+        self.checks_per_message = CHECKS // MESSAGES
+        self.checks = 0
+        self.begun = True
+
+    def control(self) -> None:  # simulation thread, every step
+        """Check the tank, and publish the score, when they are due."""
+        if self.race.over or self.io.step % self.steps_per_check:
+            return
+        touched, on_rail = self.contacts()
+        self.race.update(self.io.time - self.start, tuple(self.io.body.position.tolist()), touched, on_rail)
+        data = self.io.body.data
+        if data.xfrc_applied.any() or data.qfrc_applied.any():
+            self.race.disqualify("a force that is not a motor's moves the tank")
+        self.checks += 1
+        if self.race.over or self.checks % self.checks_per_message == 0:
+            self.count_publishers()
+            self.publisher.publish(String(data=json.dumps(self.race.result.as_dict())))
+            self.call_latest("race", self.show, self.race.result)
+
+    def contacts(self) -> tuple[set[str], bool]:
+        """Return the names of the things that the tank touches, and whether its barrel touches the rail."""
+        mine, touched, on_rail = f"{self.io.body.name}/", set(), False
+        for pair in self.io.body.data.contact.geom.tolist():
+            ours = [i for i in pair if self.names[i].startswith(mine)]
+            others = [i for i in pair if not self.names[i].startswith(mine) and i not in self.floor]
+            if len(ours) == len(others) == 1:
+                if self.names[ours[0]].endswith("/BARREL") and self.names[others[0]].endswith("/RAIL"):
+                    on_rail = True
+                else:
+                    touched.add(self.names[others[0]])
+        return touched, on_rail
+
+    def count_publishers(self) -> None:
+        """End the race if a topic has more publishers than it should have."""
+        for topic, expected in self.expected.items():
+            count = self.node.count_publishers(topic)
+            if count > expected:
+                self.race.disqualify(f"{count} publishers on {topic}, not {expected}")
+
+    def show(self, result: Result) -> None:  # main thread
+        """Write the state below the view."""
+        self.body.note = str(result)
+
+    def unconfigure(self) -> None:  # main thread
+        """Destroy the publisher."""
+        self.node.destroy_publisher(self.publisher)
+
+
+def _geom_names(model: mujoco.MjModel) -> list[str]:
+    """Return a name for each geom that begins with its body's: its own or, without one, that of its MuJoCo body."""
+    return [model.geom(i).name or model.body(model.geom_bodyid[i]).name for i in range(model.ngeom)]

@@ -1,0 +1,152 @@
+"""Judges a race along a line: how far the tank has followed it, how long that took, and what the tank touched."""
+
+import math
+from collections.abc import Collection, Iterable
+from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+LIMIT = 40.0  # [s] the longest race
+REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
+SPACING = 0.01  # [m] between the points that count
+PATIENCE = 10.0  # [s] without progress, after which a race ends before the end of the line
+PAUSE = 0.5  # [s] without a touch, after which the next touch of the same thing counts again
+FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
+
+POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
+
+FINISHED, TIME_UP, STUCK, FOUL = "rail touched", "time up", "stuck", "foul"
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The result of a race, or its state so far.
+
+    Attributes:
+        progress: the part of the line that the tank has followed, 0 to 1.
+        seconds: the race's duration in simulated time [s].
+        contacts: how often the tank has touched something else than the floor and, with its barrel, the rail.
+        end: why the race has ended; empty while it lasts. It is `FINISHED` if the barrel has touched the rail after the
+            end of the line.
+        foul: how the race was manipulated; empty if it was fair.
+        limit: the longest duration [s].
+    """
+
+    progress: float = 0.0
+    seconds: float = 0.0
+    contacts: int = 0
+    end: str = ""
+    foul: str = ""
+    limit: float = LIMIT
+
+    @property
+    def score(self) -> float:
+        """The score, 0 to 100 points.
+
+        The line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for the time:
+        20 * (1 - seconds / limit). Each contact costs 5 points, but no score is negative. After a foul the score is 0.
+        """
+        if self.foul:
+            return 0.0
+        points = POINTS_LINE * self.progress - POINTS_CONTACT * self.contacts
+        if self.end == FINISHED:
+            points += POINTS_RAIL + POINTS_TIME * (1 - self.seconds / self.limit)
+        return max(points, 0.0)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes and the score, for JSON."""
+        return {"score": round(self.score, 2), **asdict(self)}
+
+    def __str__(self) -> str:
+        """Return the state as a line below the view."""
+        contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
+        state = f"{self.progress:.0%} of the line, {self.seconds:.1f} s, {contacts}, {self.score:.1f} points"
+        return f"{self.foul or self.end}: {state}" if self.end else state
+
+
+class Race:
+    """One race, in simulated time. It belongs to the thread that steps the simulation.
+
+    A point of the line counts when the tank's middle has come near it, after all points before it. So the progress
+    never shrinks, and no shortcut helps, not even where the line crosses itself. It is 0 until the tank moves.
+
+    Args:
+        line: the points of the line [m], from its start to its end.
+        limit: the longest duration [s].
+
+    Attributes:
+        result: the state so far.
+    """
+
+    def __init__(self, line: Iterable[Point], limit: float = LIMIT) -> None:
+        self._points = _subdivided(line)
+        self._next = 0  # index of the first point that does not count yet
+        self._first: int | None = None  # its value at the start
+        self._advanced_at = 0.0
+        self._touched_at: dict[str, float] = {}
+        self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
+        self.result = Result(limit=limit)
+
+    def update(self, seconds: float, position: tuple[float, ...], touched: Collection[str], on_rail: bool) -> None:
+        """Take the next state of the world into account.
+
+        Args:
+            seconds: the time since the start of the race [s].
+            position: the position of the tank's middle [m], (x, y, z).
+            touched: the names of the things that the tank touches.
+            on_rail: whether its barrel touches the rail.
+        """
+        if self.over:
+            return
+        foul = self._jump(seconds, position)
+        while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
+            self._next += 1
+            self._advanced_at = seconds
+        if self._first is None:
+            self._first = self._next
+        ahead = len(self._points) - self._first
+        progress = (self._next - self._first) / ahead if ahead else 1.0
+        contacts = self.result.contacts + self._new_contacts(seconds, touched)
+        ends = {
+            FOUL: foul,
+            FINISHED: on_rail and progress == 1.0,
+            TIME_UP: seconds >= self.result.limit,
+            STUCK: progress < 1.0 and seconds - self._advanced_at >= PATIENCE,
+        }
+        end = next((each for each, has_come in ends.items() if has_come), "")
+        self.result = Result(progress, seconds, contacts, end, foul, self.result.limit)
+
+    @property
+    def over(self) -> bool:
+        """Whether the race has ended."""
+        return bool(self.result.end)
+
+    def disqualify(self, foul: str) -> None:
+        """End the race without points, or take the points away if it is over. The first foul is reported."""
+        self.result = replace(self.result, end=FOUL, foul=self.result.foul or foul)
+
+    def _jump(self, seconds: float, position: tuple[float, ...]) -> str:
+        """Return a foul if the tank has moved faster than it can."""
+        before, self._before = self._before, (seconds, position)
+        if before is None:
+            return ""
+        distance = math.dist(before[1], position)
+        return f"the tank has jumped {distance:.2f} m" if distance > FASTEST * (seconds - before[0]) else ""
+
+    def _new_contacts(self, seconds: float, touched: Collection[str]) -> int:
+        new = [each for each in touched if seconds - self._touched_at.get(each, -math.inf) > PAUSE]
+        self._touched_at.update(dict.fromkeys(touched, seconds))
+        return len(new)
+
+
+def _subdivided(line: Iterable[Point]) -> list[Point]:
+    """Return points on a polygonal line, about `SPACING` apart."""
+    corners = list(line)
+    points = corners[:1]
+    for start, end in pairwise(corners):
+        count = max(1, round(math.dist(start, end) / SPACING))
+        steps = [i / count for i in range(1, count + 1)]
+        points += [(start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])) for t in steps]
+    return points
