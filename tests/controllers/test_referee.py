@@ -13,7 +13,7 @@ from tutorial.controllers.referee import Referee
 from tutorial.controllers.tank_controller import TankController
 from tutorial.program.host import Host
 from tutorial.program.project import Project
-from tutorial.race import FINISHED
+from tutorial.race.rules import FINISHED
 from tutorial.ros.node_thread import NodeThread
 from tutorial.stepped_world import ControllerError
 from tutorial.system.paths import original

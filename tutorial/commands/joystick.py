@@ -15,9 +15,9 @@ import msgspec
 from sensor_msgs.msg import Joy
 
 from tutorial.errors import TutorialError
+from tutorial.model.yamlfile import YamlFile
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
-from tutorial.yamlfile import YamlFile
 
 
 class _Moment(msgspec.Struct, forbid_unknown_fields=True):

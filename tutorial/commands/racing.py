@@ -28,7 +28,7 @@ from tutorial.controllers.referee import Referee
 from tutorial.errors import printable
 from tutorial.program.host import Host
 from tutorial.program.project import Project
-from tutorial.race import Result
+from tutorial.race.rules import Result
 from tutorial.ros.domains import reserved_domain
 from tutorial.system import parent_watch
 from tutorial.system.paths import PACKAGE, original

@@ -11,7 +11,7 @@ from std_msgs.msg import String
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 from tutorial.model.line_file import line_points
-from tutorial.race import LIMIT, REACH, Race, Result
+from tutorial.race.rules import LIMIT, REACH, Race, Result
 
 CHECKS = 200  # [Hz] of the tank's position and contacts, in simulated time
 MESSAGES = 2  # [Hz] of the score, and of the count of publishers

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial.errors import TutorialError
-from tutorial.yamlfile import YamlFile
+from tutorial.model.yamlfile import YamlFile
 
 SUFFIX = ".yaml"
 FLOOR = (3.0, 2.5)  # [m] from the middle of the laboratory to its walls, along x and y

@@ -16,10 +16,10 @@ import msgspec
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.model.line_file import SUFFIX
+from tutorial.model.yamlfile import YamlFile
 from tutorial.program.controller_files import find_controller
 from tutorial.system.paths import PACKAGE, is_file
 from tutorial.world import Placement, compose
-from tutorial.yamlfile import YamlFile
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
