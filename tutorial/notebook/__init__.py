@@ -13,9 +13,10 @@ from tutorial.checks.progress import Overview
 from tutorial.notebook.bag_tools import bag_play
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, keep, log, until
+from tutorial.notebook.faults import start_fault, stop_fault
 from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
-from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list, why
+from tutorial.notebook.topic_tools import node_list, topic_echo, topic_hz, topic_info, topic_list, why
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.column import Column
 from tutorial.notebook.widgets.image_view import ImageView
@@ -41,11 +42,14 @@ __all__ = [
     "line_plot",
     "log",
     "node_graph",
+    "node_list",
     "open_node",
     "open_program",
     "progress",
     "side_by_side",
     "start_command",
+    "start_fault",
+    "stop_fault",
     "swimlane",
     "topic_echo",
     "topic_hz",

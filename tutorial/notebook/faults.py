@@ -1,0 +1,35 @@
+"""Programs that are broken on purpose: each publishes joint states, and a viewer shows none of them."""
+
+import shlex
+import sys
+
+from tutorial.errors import TutorialError
+from tutorial.notebook.command import Command
+from tutorial.notebook.desk import close_kept, keep
+from tutorial.system.paths import HOME
+
+NAME = "fault"  # of the running program in the registry: there is one at a time
+
+
+async def start_fault(number: int, source: str | None = None) -> Command:
+    """Start a broken program in a separate process, and wait until its node exists. The previous one is stopped first.
+
+    Args:
+        number: which one, from 1. Its source is ``faults/tankN.py`` in the notebooks' folder.
+        source: source to run instead, such as the program's own after a repair.
+
+    Raises:
+        TutorialError: there is no program with this number, or it failed.
+    """
+    paths = sorted((HOME / "notebooks" / "faults").glob("tank*.py"))
+    if number not in range(1, len(paths) + 1):
+        raise TutorialError(f"there is no fault {number}. The faults are 1 to {len(paths)}.")
+    program = [str(paths[number - 1])] if source is None else ["-c", source]
+    command = keep(NAME, lambda: Command(shlex.join([sys.executable, *program])), Command.close)
+    await command.says("started")
+    return command
+
+
+def stop_fault() -> None:
+    """Stop the program that `start_fault` started. Idempotent."""
+    close_kept(NAME)
