@@ -1,6 +1,6 @@
 """The exercise `find_cause`: say why the messages of a topic do not arrive.
 
-Write the function `cause_of(facts)`. It returns the name of the first cause in this table that applies, or `None` if
+Write the function `cause_of(facts)`. It returns the name of the first cause in this list that applies, or `None` if
 all is well:
 
 - `"domain"`: the topic has no publisher here, but it has one in another domain.
@@ -13,10 +13,10 @@ all is well:
 - `"silent"`: there is a publisher, and no message arrives.
 - `"dropped"`: messages arrive, and more than half of them move no joint.
 
-A subscription needs only one publisher that fits. At most one subscription has none.
+One publisher that fits is enough for a subscription. In each graph, at most one subscription has none.
 
-Hint 1: Look at the table: without a publisher only two causes are possible. And a subscription is well as soon as one
-publisher fits, so look at all publishers before you blame one.
+Hint 1: Look at the list of causes: without a publisher, only two are possible. And one publisher that fits is enough
+for a subscription, so look at all of them before you blame one.
 
 Hint 2: Return early. First the two causes without a publisher. Then, for each subscription, narrow the publishers down:
 those of its type, of these the ones that are reliable enough, of these the ones that are durable enough. The first of
@@ -99,6 +99,7 @@ A_NAME = f"Return one of {', '.join(map(repr, NAMES))}, or None."
 
 JOINTS, IMU = "sensor_msgs/msg/JointState", "sensor_msgs/msg/Imu"
 TANK, STRANGER = Endpoint("/tank", JOINTS), Endpoint("/stranger", IMU)
+SPEAKER = Endpoint("/speaker", "std_msgs/msg/String")
 SENSOR = Endpoint("/sensor", JOINTS, reliable=False)
 KEEPER = Endpoint("/keeper", JOINTS, transient_local=True)
 LOSER = Endpoint("/loser", JOINTS, reliable=False, transient_local=True)
@@ -120,10 +121,10 @@ def graph(*publishers: Endpoint, to: tuple[Endpoint, ...] = (VIEWER,), received:
 
 
 def named(trial: Trial, facts: Facts) -> str:
-    """Call the answer, and return the name.
+    """Call the answer, and return the name of the cause.
 
     Raises:
-        Misuse: it is none of the names.
+        Misuse: there is no cause with the returned name.
     """
     returned = trial.call(trial.answer, facts)
     if returned is not None and returned not in NAMES:
@@ -131,15 +132,17 @@ def named(trial: Trial, facts: Facts) -> str:
     return returned or "all is well"
 
 
-ORDER = "You probably test the causes in a different order. Return the first one in the table that applies."
+ORDER = "You probably test the causes in a different order. Return the first one in the list that applies."
 ALONE = "You probably look at something else first. Without a publisher, only found_in tells the two causes apart."
+TYPES = "You probably don't compare the types of both sides: each.type == subscription.type."
 CASES = [
     Case("a publisher and a subscription that fit", graph(TANK)),
     Case("no publisher anywhere", graph(), ALONE, crashes=True),
     Case("a publisher in domain 5", graph(found_in=(5,)), ALONE, crashes=True),
     Case("publishers here and in domain 5", graph(TANK, found_in=(5,)),
          "You probably look at other domains although there is a publisher here. Look at found_in only without one."),
-    Case("a publisher of Imu messages", graph(STRANGER)),
+    Case("a publisher of Imu messages", graph(STRANGER), TYPES),
+    Case("a publisher of String messages", graph(SPEAKER), TYPES),
     Case("a best-effort publisher, a reliable subscription", graph(SENSOR)),
     Case("a reliable publisher, a best-effort subscription", graph(TANK, to=(EASY,))),
     Case("both best effort", graph(SENSOR, to=(EASY,))),
@@ -149,6 +152,8 @@ CASES = [
     Case("a best-effort publisher that keeps, a subscription that asks for both", graph(LOSER, to=(LATE,)), ORDER),
     Case("two publishers, the second one fits", graph(SENSOR, TANK)),
     Case("two publishers, the first one fits", graph(KEEPER, TANK, to=(LATE,))),
+    Case("two publishers: one is reliable, the other one keeps messages", graph(TANK, LOSER, to=(LATE,)),
+         "You probably let one publisher be reliable and another one durable. A single publisher has to fit."),
     Case("two publishers, one of a different type", graph(STRANGER, TANK)),
     Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE))),
     Case("no subscription", graph(TANK, to=())),

@@ -10,6 +10,7 @@ and a publisher on it.
 - Each of the robot's messages reaches the screen, unchanged, once, and in its order, even if it repeats the previous
   one.
 - `on_joint_state` is the callback. It publishes at once, and makes nothing new: a publisher needs time to be found.
+- The first message can arrive as soon as the subscription exists, so create it last.
 - A screen that starts late gets the robot's newest message.
 
 Hint 1: Look at both connections separately. In each, one side offers and the other asks. What does the relay have to
@@ -26,6 +27,7 @@ node.create_subscription(JointState, "/robot/joint_state", self.on_joint_state, 
 Notice that a relay which asks for little and offers much connects almost any two programs.
 """
 
+from contextlib import suppress
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
@@ -101,10 +103,10 @@ class Wiring:
         node: the relay's node.
     """
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: Trial, kind: type[MemoryNode] = MemoryNode) -> None:
         self._trial = trial
         self._published: list[tuple[str, JointState]] = []
-        self.node = MemoryNode(trial, lambda made, message: self._published.append((made.topic_name, message)))
+        self.node = kind(trial, lambda made, message: self._published.append((made.topic_name, message)))
         self._relay = trial.call(trial.answer, self.node)
 
     def send(self, message: JointState) -> None:
@@ -127,6 +129,17 @@ class Wiring:
     def seen(self, made: Made) -> str:
         """Say whether the screen hears one of the relay's publishers."""
         return _connection(made, WALL, misfits(described(made.kind, made.qos), described(JointState, ASKED)))
+
+
+class HastyNode(MemoryNode):
+    """A node on which a message arrives as soon as there is a subscription."""
+
+    def create_subscription(self, *given: Any, **named: Any) -> Made:
+        """Make a subscription, and call its callback."""
+        made = super().create_subscription(*given, **named)
+        with suppress(AttributeError):  # of the missing publisher; any other mistake fails in the other cases, too
+            made.callback(message_of(0.5))
+        return made
 
 
 def _connection(made: Made, topic: str, problems: list[str]) -> str:
@@ -171,17 +184,23 @@ def shown(*angles: float, relays: int = 1) -> Run:
     return run
 
 
+def at_once(trial: Trial) -> str:
+    """Observe what the screen shows of a message that arrives before `Relay(node)` has returned."""
+    return ", ".join(str(each.position.tolist()) for each in Wiring(trial, HastyNode).shown)
+
+
 def on_ros(trial: Trial) -> str:
     """Try the relay with rclpy's own nodes and a late screen."""
-    received: list[JointState] = []
+    early, late = list[JointState](), list[JointState]()
     with ros_node() as node, ros_node() as others:
         trial.call(trial.answer, node)
         robot = others.create_publisher(JointState, ROBOT, qos_profile_sensor_data)
         wait(robot.get_subscription_count, "the robot's messages do not reach the relay. Check its subscription.")
-        robot.publish(message_of(0.5))
-        others.create_subscription(JointState, WALL, received.append, ASKED)
-        wait(lambda: received or robot.publish(message_of(0.5)), "no message reaches a late screen. Check the QoS.")
-    return f"a late screen shows {received[0].position.tolist()}"
+        others.create_subscription(JointState, WALL, early.append, ASKED)
+        wait(lambda: early or robot.publish(message_of(0.5)), "no message reaches the screen. Check the QoS.")
+        others.create_subscription(JointState, WALL, late.append, ASKED)
+        wait(lambda: late, "a screen that starts late gets no message. Check the durability.")
+    return f"a late screen shows {late[0].position.tolist()}"
 
 
 CASES = [
@@ -196,6 +215,8 @@ CASES = [
     Case("the same message three times", shown(0.5, 0.5, 0.5),
          "You probably skip a message that repeats the previous one. Publish each one."),
     Case("messages of 0", shown(0.0, 0.0), "You probably treat 0 as missing. Publish each message."),
+    Case("a message that arrives as soon as the relay subscribes", at_once,
+         "You probably subscribe before the publisher exists. Create the subscription last."),
     Case("two relays", shown(0.5, relays=2), "You probably keep something on the class. Set it on self, in __init__."),
 ]  # fmt: skip
 IMPORTS = ("from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data",)

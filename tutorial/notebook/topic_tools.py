@@ -15,7 +15,7 @@ REPORTS = 2  # the number of reports that `topic_hz` prints
 
 async def node_list() -> None:
     """Print the full names of the nodes, as ``ros2 node list`` does."""
-    print_text(await listing.node_list(_asker()))
+    print_text(await listing.node_list(asker()))
 
 
 async def topic_list(show_types: bool = False) -> None:
@@ -24,7 +24,7 @@ async def topic_list(show_types: bool = False) -> None:
     Args:
         show_types: print their types, too, as with ``-t``.
     """
-    print_text(await listing.topic_list(_asker(), show_types))
+    print_text(await listing.topic_list(asker(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
@@ -37,7 +37,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    print_text(await listing.topic_info(_asker(), topic, verbose))
+    print_text(await listing.topic_info(asker(), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None, no_arr: bool = False) -> None:
@@ -52,7 +52,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     Raises:
         TutorialError: there is no such topic or field, or no message arrives for 10 s.
     """
-    await print_texts(listening.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=TIMEOUT))
+    await print_texts(listening.topic_echo(asker(), topic, once=once, field=field, no_arr=no_arr, timeout=TIMEOUT))
 
 
 async def topic_hz(topic: str, window: int = 10_000, timeout: float = TIMEOUT) -> None:
@@ -66,7 +66,7 @@ async def topic_hz(topic: str, window: int = 10_000, timeout: float = TIMEOUT) -
     Raises:
         TutorialError: no message arrives in time.
     """
-    await print_texts(listening.topic_hz(_asker(), topic, window=window, timeout=timeout), REPORTS)
+    await print_texts(listening.topic_hz(asker(), topic, window=window, timeout=timeout), REPORTS)
 
 
 async def why(topic: str, joints: Iterable[str] | None = None) -> None:
@@ -80,9 +80,9 @@ async def why(topic: str, joints: Iterable[str] | None = None) -> None:
     Raises:
         TutorialError: the topic's name is invalid.
     """
-    print_text(report(await examine(topic, _asker, joints)))
+    print_text(report(await examine(topic, asker, joints)))
 
 
-def _asker() -> MeteredNode:
+def asker() -> MeteredNode:
     """Return the node of these tools. Its name begins with an underscore, so ``ros2 node list`` hides it."""
     return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node

@@ -69,6 +69,12 @@ class InTheCallback(Relay):
         self.node.create_publisher(JointState, WALL, KEPT).publish(message)
 
 
+class HearsFirst(Relay):
+    def __init__(self, node):
+        self.subscription = node.create_subscription(JointState, ROBOT, self.on_joint_state, EASY)
+        self.publisher = node.create_publisher(JointState, WALL, KEPT)
+
+
 class OnlyChanges(Relay):
     last = None
 
@@ -98,6 +104,7 @@ SUBSCRIBED, PUBLISH = "self.on_joint_state, qos_profile_sensor_data", "self.publ
 NEW = "You probably publish a new message, change it, or publish it twice"
 WRONG = [
     (InTheCallback, ["create the publisher only in the callback"]),
+    (HearsFirst, "Create the subscription last"),
     (OnlyChanges, "skip a message that repeats"),
     (Timed, "is missing or never reached"),
     (Echo, "more than once"),
