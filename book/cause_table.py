@@ -9,28 +9,29 @@ from tutorial.ros.loopback import TURN_ON
 PAGE = Path(__file__).with_name("nothing_arrives.md")
 TABLE = re.compile(r"(?<=<!-- made by book/cause_table.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
-CODE = re.compile(r"(?<![`\w=:])([A-Za-z]+_\w+|RELIABLE|VOLATILE|OFF|LOCALHOST|/clock|fg)(?![`\w=])")
+CODE = re.compile(r"(rclpy\.spin\(node\)|/clock|\b(?:[A-Za-z]+_\w+|RELIABLE|VOLATILE|OFF|LOCALHOST|fg)\b)")
 """Names from code in the rules' texts."""
 
 SIGNS = {
-    "python": "`python3 -c 'import rclpy'` ends with an error.",
+    "python": "`python3 -c 'import rclpy'` raises an error.",
     "loopback": "`ip link show lo` shows `state DOWN`.",
-    "participants": "The program ends at its start: `Failed to find a free participant index for domain 0`.",
-    "domain": "`ros2 topic list` lacks the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` has it.",
+    "participants": "The program exits as it starts: `Failed to find a free participant index for domain 0`.",
+    "stopped": "`ros2 topic info TOPIC` soon says `Publisher count: 0`, and `ps -eo stat,args` shows the state `T`.",
+    "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` says `Publisher count: 0`.",
+    "domain": "`ros2 topic list` does not show the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` does.",
     "type": "`ros2 topic info TOPIC` lists two types.",
     "hash": "`ros2 topic info -v TOPIC` shows two values of `Topic type hash`.",
-    "reliability": "The log says `offering incompatible QoS` and `RELIABILITY`.",
-    "durability": "The log says `offering incompatible QoS` and `DURABILITY`.",
-    "deadline": "The log says `offering incompatible QoS` and `DEADLINE`.",
-    "liveliness": "The log says `offering incompatible QoS` and `LIVELINESS`.",
+    "reliability": "The subscription's terminal warns of `incompatible QoS` and `RELIABILITY`.",
+    "durability": "The subscription's terminal warns of `incompatible QoS` and `DURABILITY`.",
+    "deadline": "The subscription's terminal warns of `incompatible QoS` and `DEADLINE`.",
+    "liveliness": "The subscription's terminal warns of `incompatible QoS` and `LIVELINESS`.",
+    "clock": "`ros2 param get NODE use_sim_time` prints `True`, and `ros2 topic info /clock` `Publisher count: 0`.",
     "silent": "`ros2 topic info TOPIC` says `Publisher count: 1`, but `ros2 topic hz TOPIC` prints no rate.",
-    "late": "`ros2 topic info -v TOPIC` shows a publisher that published once, and a subscription that is `VOLATILE`.",
-    "clock": "`ros2 param get NODE use_sim_time` prints `True`, and `ros2 topic hz /clock` no rate.",
-    "stopped": "The terminal says `Stopped`, and `ps` shows the state `T`.",
+    "late": "`ros2 topic info -v TOPIC` says `Durability: VOLATILE`, and the publisher's program publishes only once.",
     "range": "`ros2 node list` in the program's terminal shows no other program.",
     "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the two terminals.",
-    "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` says `Publisher count: 0`.",
-    "dropped": "`ros2 topic echo TOPIC` prints messages, but their joints are unknown or their stamps jump backwards.",
+    "unknown": "`ros2 topic echo TOPIC` prints messages, but with names that the robot's description lacks.",
+    "dropped": "`ros2 topic echo TOPIC` prints messages, but their stamps jump backwards.",
     "nobody": "`ros2 topic info TOPIC` says `Publisher count: 0`, or `Unknown topic`.",
 }
 """How each cause looks with the commands of a real ROS 2."""
@@ -45,9 +46,9 @@ def page() -> str:
 
 def _row(name: str) -> str:
     rule = RULES[name]
-    fix = f"{rule.fix} `{rule.command}`" if rule.command else rule.fix
-    row = f"| **{rule.title[0].upper()}{rule.title[1:]}.** {rule.means} | {SIGNS[name]} | {fix} |\n"
-    return CODE.sub(r"`\1`", row.replace(TURN_ON, "sudo ip link set lo up"))
+    title, means, fix = (CODE.sub(r"`\1`", text) for text in (rule.title, rule.means, rule.fix))
+    command = f" `{rule.command}`".replace(TURN_ON, "sudo ip link set lo up") if rule.command else ""
+    return f"| **{title[0].upper()}{title[1:]}.** {means} | {SIGNS[name]} | {fix}{command} |\n"
 
 
 if __name__ == "__main__":

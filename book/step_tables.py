@@ -54,7 +54,7 @@ def _row(number: int, name: str, builds: str, topic: str) -> dict[str, str]:
 
 
 def _files(folder: str, name: str, suffix: str) -> str:
-    """Return links to the files whose names equal or begin with `name`."""
+    """Return links to the files whose names are `name` or begin with it."""
     found = sorted([*HOME.glob(f"{folder}/{name}{suffix}"), *HOME.glob(f"{folder}/{name}_*{suffix}")])
     return ", ".join(f"[`{path.name}`]({folder}/{path.name})" for path in found)
 

@@ -23,7 +23,7 @@ def _keep_to_the_lane(event: str, arguments: tuple[object, ...]) -> None:
     """Fail a test that starts a process without the mark for it."""
     if event in STARTS and _alone is not None:
         pytest.fail(
-            f"{_alone.name} starts a process: {event} {arguments[:2]!r:.200}. Prove it within one process, "
+            f"{_alone.name} starts a process: {event} {arguments[:2]!r:.200}. Test this within one process, "
             "or mark the test with @pytest.mark.process, browser or build."
         )
 

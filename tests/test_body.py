@@ -3,13 +3,14 @@
 import math
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from scenes import raised_elsewhere
 
 from tutorial.body import Body
 from tutorial.errors import TutorialError, WrongThreadError
-from tutorial.world import Placement
+from tutorial.world import Placement, compose
 
 MODELS = Path(__file__).parent.parent / "project" / "models"
 LEFT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # a quarter turn; w first
@@ -52,6 +53,22 @@ def test_its_pose_is_the_roots(model, root):
     body.calc_forward_kinematics()
     assert body.data.xmat[1].reshape(3, 3)[:, 0] == pytest.approx([-1.0, 0.0, 0.0])
     assert body.data.xpos[1].tolist() == body.position.tolist() == [1.5, 2.0, 2.75]
+
+
+def test_reset_puts_only_this_body_back_at_rest():
+    model = compose([Placement(name, MODELS / "tank.xml", (x, 0.0, 0.2)) for name, x in (("A", -2.0), ("B", 2.0))])
+    data = mujoco.MjData(model)
+    a, b = (Body(name, model, data) for name in "AB")
+    starts = a.qpos.copy()
+    data.qpos[:] += 0.1
+    data.qvel[:] = 1.0
+    moved = b.qpos.copy()
+    a.reset()
+    assert a.qpos.tolist() == starts.tolist()
+    assert a.position.tolist() == [-2.0, 0.0, 0.2]
+    assert not a.twist.any()
+    assert not any(joint.velocity for joint in a.joints)
+    assert (b.qpos.tolist(), b.joint("TURRET_Y").velocity) == (moved.tolist(), 1.0)
 
 
 def test_its_twist_is_along_its_own_axes(tank):
@@ -101,6 +118,7 @@ def test_an_unknown_name_gets_a_suggestion(tank, find, said):
     ("action", "touch"),
     [
         ("set_joint_positions", lambda body: body.set_joint_positions({"TURRET_Y": 1.0})),
+        ("reset", lambda body: body.reset()),
         ("calc_forward_kinematics", lambda body: body.calc_forward_kinematics()),
         ("notify_change", lambda body: body.notify_change()),
         ("Joint.position", lambda body: setattr(body.joint("TURRET_Y"), "position", 1.0)),

@@ -1,17 +1,21 @@
 """The laws of the hand-off: every call runs once, in order, on the main thread, or is refused."""
 
 import asyncio
+import random
 import re
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from programs import TIMEOUT, until
 
 from tutorial import handoff
-from tutorial.handoff import CallQueue, Latest
+from tutorial.errors import RefusedError, WrongThreadError
+from tutorial.handoff import CallQueue, Latest, RequestQueue
 
 
 async def until_idle(queue: CallQueue) -> None:
@@ -215,3 +219,138 @@ class TestTooBusy:
 
         run(post)
         assert len(caplog.messages) == 1
+
+
+@contextmanager
+def stepping(requests, step=lambda: None):
+    """Step as a simulation does, on a separate thread: carry out the requests, and refuse them at the end."""
+    stopping = threading.Event()
+
+    def main():
+        while not stopping.wait(0.0001):  # a step takes time, and leaves Python to other threads
+            requests.run_waiting()
+            step()
+        requests.close()
+
+    thread = threading.Thread(target=main, name="stepping", daemon=True)
+    requests.open(thread)
+    thread.start()
+    try:
+        yield thread
+    finally:
+        stopping.set()
+        thread.join(TIMEOUT)
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def requests():
+    return RequestQueue()
+
+
+def refusal(ask, *args, **options):
+    """Return the text of a refusal."""
+    with pytest.raises(RefusedError) as info:
+        ask(*args, **options)
+    return str(info.value)
+
+
+NOT_RUNNING = "the simulation is not running. Start it, and ask again."
+
+
+class TestRequests:
+    def test_the_answer_comes_from_the_stepping_thread(self, requests):
+        with stepping(requests) as thread:
+            assert requests.ask(threading.current_thread) is thread
+            assert requests.ask(divmod, 7, 2) == (3, 1)
+
+    @pytest.mark.parametrize("kind", [ZeroDivisionError, SystemExit, TimeoutError, RefusedError])
+    def test_an_error_reaches_the_caller_and_nobody_else(self, requests, kind):
+        def fail():
+            raise kind("mine")
+
+        with stepping(requests):
+            with pytest.raises(kind, match="mine"):
+                requests.ask(fail)
+            assert requests.ask(int) == 0
+
+    def test_without_a_running_simulation_it_is_refused_at_once(self, requests):
+        assert refusal(requests.ask, print, timeout=TIMEOUT) == NOT_RUNNING
+        with stepping(requests):
+            assert requests.ask(int) == 0
+        assert refusal(requests.ask, print, timeout=TIMEOUT) == NOT_RUNNING
+        requests.close("it has failed.")
+        assert refusal(requests.ask, print, timeout=TIMEOUT) == "it has failed."
+
+    def test_a_stop_refuses_those_who_wait(self, requests):
+        requests.open(None)
+        with ThreadPoolExecutor() as pool:
+            asked = [pool.submit(refusal, requests.ask, print, timeout=TIMEOUT) for _ in range(3)]
+            until(lambda: len(requests._waiting) == 3)
+            requests.close("stopped.")
+            assert [each.result() for each in asked] == ["stopped."] * 3
+        requests.run_waiting()
+
+    def test_a_late_request_is_never_carried_out(self, requests):
+        ran = []
+        requests.open(None)
+        assert refusal(requests.ask, ran.append, 1, timeout=0.01).endswith("not finished its step within 0.01 s.")
+        requests.run_waiting()
+        assert ran == []
+
+    def test_a_hanging_request_is_given_up(self, requests):
+        let = threading.Event()
+        with stepping(requests):
+            said = refusal(requests.ask, let.wait, TIMEOUT, timeout=0.05)
+            assert said == "the request has begun, but not returned within 0.05 s."
+            let.set()
+            assert requests.ask(int) == 0
+
+    def test_an_interrupted_request_lets_nobody_wait(self, requests):
+        def interrupt():
+            raise KeyboardInterrupt
+
+        requests.open(None)
+        with ThreadPoolExecutor() as pool:
+            asked = pool.submit(refusal, requests.ask, interrupt, timeout=0.1)
+            with pytest.raises(KeyboardInterrupt):
+                until(requests.run_waiting)
+            assert asked.result().startswith("the request has begun")
+
+    def test_the_stepping_thread_cannot_ask_itself(self, requests):
+        with stepping(requests), pytest.raises(WrongThreadError, match="Call the function directly"):
+            requests.ask(requests.ask, print)
+
+    def test_requests_do_not_hold_up_the_steps(self, requests):
+        steps = []
+        with stepping(requests, lambda: steps.append(1)), ThreadPoolExecutor(2) as pool:
+            list(pool.map(lambda _: requests.ask(int), range(200)))
+        assert len(steps) >= 100, "two at most in each step"
+
+    def test_each_is_answered_or_refused_however_they_interleave(self, requests):
+        for seed in range(200):
+            goal, reached = 1 + random.Random(seed).randrange(25), threading.Event()
+            ran, answered, refused = [], [], []
+
+            def note(value, goal=goal, reached=reached, ran=ran):
+                ran.append(value)
+                if len(ran) == goal:
+                    reached.set()
+                return value
+
+            def ask_some(values, note=note, answered=answered, refused=refused):
+                for value in values:
+                    try:
+                        answered.append(requests.ask(note, value, timeout=TIMEOUT))
+                    except RefusedError:
+                        refused.append(value)
+
+            with ThreadPoolExecutor(3) as pool:
+                with stepping(requests):
+                    for i in range(3):
+                        pool.submit(ask_some, range(10 * i, 10 * i + 10))
+                    assert reached.wait(TIMEOUT)
+                with stepping(requests):  # some of those who were not refused meanwhile ask again
+                    pass
+            assert sorted(answered) == sorted(ran), "nothing that was refused was carried out"
+            assert sorted(answered + refused) == list(range(30)), seed

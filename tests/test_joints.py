@@ -265,7 +265,7 @@ class TestTwoPublishers:
 
     @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])
     @pytest.mark.parametrize("lag_ms", [0, 3, None], ids=["one stamp", "own stamps", "unstamped"])
-    def test_told_apart_by_position(self, joints, lag_ms):
+    def test_distinguished_by_position(self, joints, lag_ms):
         matcher = JointMatcher(joints, lambda: 2)
         for i in range(100):
             stamp_ns = 0 if lag_ms is None else 20_000_000 * i

@@ -1,6 +1,7 @@
 """The simulated copy: stepped at once or in real time, and used by controllers through their io."""
 
 import _thread
+import re
 import sys
 import threading
 import time
@@ -15,7 +16,7 @@ from programs import TIMEOUT, until
 from tutorial import simulation as simulation_module
 from tutorial.body import Body
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError
+from tutorial.errors import RefusedError, TutorialError
 from tutorial.model.mujoco_warnings import mujoco_warns
 from tutorial.simulation import ControllerError, Simulation, State
 from tutorial.world import Placement
@@ -121,7 +122,7 @@ class TestRealTime:
         simulation, before = recorder.simulation, sys.getswitchinterval()
         simulation.start()
         for call, said in (
-            (simulation.start, "running already"),
+            (simulation.start, "already running"),
             (lambda: simulation.advance(1.0), r"Call stop\(\) before advance"),
             (lambda: simulation.advance(-1.0), "time cannot run backwards"),
         ):
@@ -356,3 +357,56 @@ def test_a_controller_cannot_wait_for_itself(method):
     until(lambda: not simulation.running)
     simulation.stop()
     assert r"stop() was called by a controller" in str(simulation.error)
+
+
+class TestRequests:
+    def test_a_running_simulation_answers_between_two_steps(self, recorder):
+        ask = recorder.simulation.world.requests.ask
+        with pytest.raises(RefusedError, match="is not running"):
+            ask(print)
+        recorder.simulation.start()
+        step, steps, thread = ask(lambda: (recorder.simulation.step, len(recorder.times), threading.current_thread()))
+        assert (step, thread.name) == (steps, "simulation")
+        recorder.simulation.stop()
+        with pytest.raises(RefusedError, match="is not running"):
+            ask(print)
+
+    def test_an_advancing_thread_answers_too(self, recorder):
+        def ask():
+            until(lambda: recorder.simulation.step)
+            try:
+                return recorder.simulation.world.requests.ask(threading.current_thread)
+            finally:
+                recorder.simulation.stop()
+
+        with ThreadPoolExecutor(1) as pool:
+            asked = pool.submit(ask)
+            with pytest.raises(TutorialError, match="stopped advance"):
+                recorder.simulation.advance(1_000_000)
+        assert asked.result() is threading.main_thread()
+
+    def test_a_failure_is_the_reason_of_the_refusal(self):
+        simulation = simulate(Raising(ValueError, "control"))
+        with pytest.raises(ControllerError):
+            simulation.advance(0.05)
+        with pytest.raises(RefusedError, match=r"the simulation has stopped: Raising failed at 0\.003 s .*: mine"):
+            simulation.world.requests.ask(print)
+
+    def test_a_hanging_controller_is_the_reason_of_the_refusal(self, stuck):
+        requests = stuck.simulation.world.requests
+        stuck.start()
+        with ThreadPoolExecutor(1) as pool:
+            asked = pool.submit(requests.ask, print, timeout=TIMEOUT)
+            until(lambda: requests._waiting)
+            stuck.simulation.stop()
+            assert re.match(SAID, str(asked.exception()))
+        with pytest.raises(RefusedError, match=SAID):
+            requests.ask(print)
+
+    def test_a_hanging_request_is_blamed(self, stuck):
+        simulation = simulate(Recorder())
+        simulation.start()
+        with pytest.raises(RefusedError, match="has begun"):
+            simulation.world.requests.ask(stuck.let.wait, timeout=0.05)
+        simulation.stop()
+        assert re.match(r"MuJoCo or a request does not return: it is at threading.py", str(simulation.error))

@@ -3,11 +3,11 @@
 import gc
 import signal
 
-signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command handles Ctrl-C, it ends the process without a traceback
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends the process without a traceback until a command handles it
 signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # `parent_watch` starts its command with SIGINT blocked
 
 gc.disable()  # imports create no garbage worth collecting
-from tutorial.commands.tank import main  # noqa: E402 - this takes a moment, in which the user may press Ctrl-C
+from tutorial.commands.tank import main  # noqa: E402 - this takes a moment, and the user may press Ctrl-C meanwhile
 
 gc.freeze()
 gc.enable()

@@ -81,8 +81,8 @@ class Joint:
         """Torque or force [N.m or N] of the joint's actuators in the last step. Setting it commands the motor.
 
         Raises:
-            TutorialError: on assignment, if the joint has no motor, or a servo; the error names the actuator and its
-                kind.
+            TutorialError: on assignment, if the joint has no motor or has a servo; the error names the actuator and
+                its kind.
         """
         return self._effort.item(self._dof_adr)
 
@@ -112,7 +112,7 @@ class Joint:
 
 
 class Actuator:
-    """An actuator of a body that is not a joint's motor, such as a track.
+    """An actuator of a body, other than a joint's motor, such as a track.
 
     Attributes:
         name: without the body's prefix.
@@ -201,7 +201,8 @@ class Body:
         shown = [i for i in ids if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS]
         names = {i: model.joint(i).name.removeprefix(f"{name}/") for i in shown}
         self.joints = tuple(Joint(names[i], model, data, i, guard) for i in shown)
-        self.qpos_slice = _qpos_slice(model, ids)
+        self.qpos_slice = _slice(ids, model.jnt_qposadr, model.nq)
+        self._dof_slice = _slice(ids, model.jnt_dofadr, model.nv)
         self._root = _Root.of(name, model, data, ids)
         self._followers = Followers(model, f"{name}/") if guard else None  # a simulation couples the joints itself
         self._by_name = {joint.name: joint for joint in self.joints}
@@ -260,17 +261,17 @@ class Body:
         return self._by_name[name]
 
     def actuator(self, name: str) -> Actuator:
-        """Find an actuator by name; raises the same error as `joint`."""
+        """Find an actuator by name, or raise the same error as `joint`."""
         number = self.find_id("actuator", self.model.actuator, self.model.nactuator, name)
         return Actuator(name, self.data, int(self.model.actuator_ctrladr[number]))
 
     def sensor(self, name: str) -> Sensor:
-        """Find a sensor by name; raises the same error as `joint`."""
+        """Find a sensor by name, or raise the same error as `joint`."""
         number = self.find_id("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def camera(self, name: str) -> Any:
-        """Find a simulated body's `tutorial.view.camera.Camera` by name; raises the same error as `joint`."""
+        """Find a simulated body's `tutorial.view.camera.Camera` by name, or raise the same error as `joint`."""
         if self.find_camera is None:
             raise TutorialError(
                 f"the displayed body {self.name!r} cannot take pictures. Use the simulated body, io.body."
@@ -323,10 +324,17 @@ class Body:
         mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's velocity is along the world's axes
         return np.concatenate([linear, self._root.velocity[3:]])
 
+    def reset(self) -> None:
+        """Put the body back to where it starts, at rest."""
+        self._check("reset")
+        self.data.qpos[self.qpos_slice] = self.model.qpos0[self.qpos_slice]
+        self.data.qvel[self._dof_slice] = self.data.qacc_warmstart[self._dof_slice] = 0.0
+        mujoco.mj_forward(self.model, self.data)  # for those who read poses and sensors before the next step
+
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
 
-        A coupled joint follows until a call names it. Joints that are neither named nor coupled do not move.
+        A coupled joint follows its leader until a call names it. Joints that are neither named nor coupled do not move.
 
         Args:
             positions: the positions [rad or m] by joint name.
@@ -350,8 +358,8 @@ class Body:
         """Call the observers, so that the view shows the change.
 
         Args:
-            report: the joints that the message could move, and its faults; None for a change without a message. The
-                body only passes it on, because a controller does not know the observers.
+            report: which joints the message moved, and the message's faults; None for a change without a message. The
+                body only passes the report on, because a controller does not know the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
@@ -366,9 +374,15 @@ class Body:
             self._guard.check(action)
 
 
-def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:
-    """Return a body's part of ``qpos``. One slice is enough, because MuJoCo numbers a body's joints in sequence."""
-    bounds = [*model.jnt_qposadr.tolist(), model.nq]
+def _slice(joint_ids: Sequence[int], addresses: NDArray[np.int32], size: int) -> slice:
+    """Return a body's part of an array such as ``qpos``. MuJoCo numbers a body's joints in sequence, so one is enough.
+
+    Args:
+        joint_ids: the body's joints.
+        addresses: for each joint of the model, the index of its first element.
+        size: the array's size.
+    """
+    bounds = [*addresses.tolist(), size]
     return slice(bounds[joint_ids[0]], bounds[joint_ids[-1] + 1]) if joint_ids else slice(0, 0)
 
 

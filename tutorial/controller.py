@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeVarTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol, TypeVar, TypeVarTuple
+
+from tutorial.handoff import RequestQueue
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
 
     from tutorial.body import Body
 
+T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
 
@@ -29,9 +32,16 @@ class CallLatest(Protocol):
         """Run ``function(*args)`` on the main thread, in place of a waiting call with the same key. Thread-safe."""
 
 
+class Ask(Protocol):
+    """The type of `ControllerConfig.ask`."""
+
+    def __call__(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = ...) -> T:
+        """Run ``function(*args)`` on the simulation's thread, and return the result. Thread-safe."""
+
+
 @dataclass(frozen=True)
 class ControllerConfig:
-    """The parts of its program that a controller receives when it joins a body.
+    """The parts of the program that a controller receives when it joins a body.
 
     Attributes:
         body: the displayed body; it belongs to the main thread.
@@ -40,12 +50,16 @@ class ControllerConfig:
             is lost, and the order is kept. Calls still waiting when the controller leaves its body are dropped.
         call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
             key.
+        ask: ``ask(function, *args)``, called on the executor's thread, has the simulation's thread run the function
+            between two steps, and returns the result. If that is impossible, it raises a RefusedError that says why:
+            see `tutorial.handoff.RequestQueue.ask`.
     """
 
     body: Body
     node: Node
     call_later: CallLater
     call_latest: CallLatest
+    ask: Ask = field(default_factory=lambda: RequestQueue().ask)  # refuses, as without a simulation
 
 
 class ControllerIO:
@@ -79,8 +93,8 @@ class ControllerIO:
 class SimpleController:
     """Base of all controllers, with the original tutorial's names and methods. Each docstring names the calling thread.
 
-    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, `initialize`, then
-    `control` at every step, and `stop` are called in between.
+    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, the calls between them are
+    `initialize`, then `control` at every step, and finally `stop`.
     """
 
     def configure(self, config: ControllerConfig) -> None:

@@ -26,6 +26,10 @@ class WrongThreadError(TutorialError):
     """A thread touched something that belongs to a different thread."""
 
 
+class RefusedError(TutorialError):
+    """A request was not carried out; the text says why. See `tutorial.handoff.RequestQueue`."""
+
+
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
     """Return the end of a message about an unknown name: the nearest valid name, and up to thirty valid names.
 
@@ -46,10 +50,10 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 
 
 def printable(text: str) -> str:
-    """Escape every invisible character in text from outside, so that a terminal can print it safely.
+    """Escape every invisible character in untrusted text, so that a terminal can print it safely.
 
-    These are control characters, which a terminal would obey, characters that reverse the direction of writing, line
-    ends and lone surrogates.
+    These are control characters, which a terminal would interpret, characters that reverse the direction of writing,
+    line breaks and lone surrogates.
 
     Returns:
         For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text with only visible characters is returned unchanged.
@@ -62,9 +66,9 @@ def printable(text: str) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """Escape invisible characters as `printable` does, but keep line ends and tabs.
+    """Escape invisible characters as `printable` does, but keep line breaks and tabs.
 
-    Pass each part from outside through `printable` before you insert it; otherwise, it could add lines.
+    Pass each untrusted part through `printable` before you insert it; otherwise, it could add lines.
     """
     return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
@@ -96,7 +100,7 @@ def describe_error(error: BaseException, file: str) -> str:
 
 
 def where(thread: threading.Thread, file: str = "") -> str:
-    """Return the line that a thread is executing, to end a message about a thread that does not return.
+    """Return the end of a message about a thread that does not return: the line that it is executing.
 
     Args:
         thread: the thread.

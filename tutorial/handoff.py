@@ -5,6 +5,9 @@ belongs to a different thread, so it hands over what it received, and returns. T
 
 - as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
 - as an *event*, if each of them matters: `CallScope.call_later`.
+
+A service's callback needs something back: `RequestQueue.ask` has the simulation's thread do something, and returns the
+answer.
 """
 
 from __future__ import annotations
@@ -15,10 +18,12 @@ import sys
 import threading
 import time
 from collections import OrderedDict
+from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, TypeVar, TypeVarTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple
 
-from tutorial.errors import WrongThreadError
+from tutorial.errors import RefusedError, WrongThreadError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
@@ -31,6 +36,8 @@ Ts = TypeVarTuple("Ts")
 
 CROWD = 1000  # waiting calls; a warning is logged if there are more
 LONG_WAIT = 10.0  # [s]; a warning is logged if a call waits longer
+PATIENCE = 1.0  # [s] that a request waits for its answer; a step takes a few milliseconds
+NOT_RUNNING = "the simulation is not running. Start it, and ask again."
 BUSY = (
     "the main thread is too busy for the calls posted to it: %d waiting, the first for %.1f s. Do less in each call; "
     "if only the newest message matters, %s can post with call_latest(key, f, message)"
@@ -219,6 +226,87 @@ class _Call:
             self.scope.queue.error = error
             posted = f"{self.frame_code.co_filename}:{self.frame_line} on the thread {self.thread!r}"
             _log.exception("%s: a call posted at %s failed", self.scope.owner, posted)
+
+
+class RequestQueue:
+    """Requests that callbacks make of the simulation, and whose answers they wait for.
+
+    The thread that steps the simulation carries them out between two steps, so `ask` blocks the executor's thread only
+    until the current step ends, usually for a few milliseconds, and never longer than its timeout. While the simulation
+    is not running, and when it stops, requests are refused at once: a shutdown leaves nobody waiting.
+
+    A coroutine could await the answer instead, but with rclpy that gains nothing. While it awaits, its callback group
+    runs no other callback, either. The executor notices the answer only when something else wakes it, often 50 ms
+    later. And a coroutine that still awaits at shutdown is dropped, so its client never gets a response.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._waiting: list[tuple[Future[Any], Callable[[], object]]] = []
+        self._thread: threading.Thread | None = None
+        self._refusal = NOT_RUNNING
+
+    def open(self, thread: threading.Thread) -> None:
+        """Accept requests from now on. Thread-safe.
+
+        Args:
+            thread: the thread that will call `run_waiting`.
+        """
+        with self._lock:
+            self._thread, self._refusal = thread, ""
+
+    def close(self, reason: str = NOT_RUNNING) -> None:
+        """Refuse the waiting requests, and all that follow until the next `open`. Idempotent, thread-safe.
+
+        Args:
+            reason: the text of the error that the callers of `ask` get.
+        """
+        with self._lock:
+            self._refusal, refused, self._waiting = reason, self._waiting, []
+        for answer, _ in refused:
+            if answer.set_running_or_notify_cancel():  # its caller has not given up
+                answer.set_exception(RefusedError(reason))
+
+    def ask(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = PATIENCE) -> T:
+        """Have the simulation's thread run ``function(*args)`` between two steps, and return the result. Thread-safe.
+
+        Args:
+            function: the function.
+            args: its arguments.
+            timeout: the longest wait [s].
+
+        Raises:
+            RefusedError: the function was not called, or did not return in time; the text says which.
+            WrongThreadError: the caller is on the simulation's thread, and would wait for itself.
+            Exception: the function raised it.
+        """
+        answer: Future[T] = Future()
+        with self._lock:
+            if self._refusal:
+                raise RefusedError(self._refusal)
+            if threading.current_thread() is self._thread:
+                raise WrongThreadError("ask was called on the simulation's thread. Call the function directly.")
+            self._waiting.append((answer, partial(function, *args)))
+        wait([answer], timeout)
+        if answer.cancel():  # the request has not begun, and never will
+            raise RefusedError(f"the simulation has not finished its step within {timeout:g} s.")
+        if not answer.done():
+            raise RefusedError(f"the request has begun, but not returned within {timeout:g} s.")
+        return answer.result()
+
+    def run_waiting(self) -> None:
+        """Carry out the requests that wait now. Only for the simulation's thread, between two steps.
+
+        Requests that arrive meanwhile wait for the next call, so that callers cannot hold up the simulation.
+        """
+        with self._lock:
+            requests, self._waiting = self._waiting, []
+        for answer, request in requests:
+            if answer.set_running_or_notify_cancel():  # its caller has not given up
+                try:
+                    answer.set_result(request())
+                except (Exception, SystemExit) as error:  # noqa: BLE001 - the caller of `ask` gets it
+                    answer.set_exception(error)
 
 
 class ThreadGuard:

@@ -2,7 +2,8 @@
 
 In a ``sensor_msgs/JointState`` the names identify the joints. A viewer that uses the i-th entry for its i-th joint
 shows the wrong pose as soon as a publisher sends its joints in a different order, or only some of them.
-`match_joints` is the idea. `JointMatcher` also detects late messages, and rivals: other publishers of the same joints.
+`match_joints` implements the idea. `JointMatcher` also detects late messages, and rivals: other publishers of the same
+joints.
 """
 
 from __future__ import annotations
@@ -20,14 +21,15 @@ if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
 NAMES_KEPT = 3  # in each `NameList`, to keep a report small however many names a message has
-SECOND_NS = 1_000_000_000  # [ns] a stamp that steps back further means that the publisher was restarted
+SECOND_NS = 1_000_000_000  # [ns] a stamp that jumps back further means that the publisher was restarted
 PAUSE_NS = 10 * SECOND_NS  # [ns] the longest allowed pause between messages from one of several publishers
-SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which still holds its square
-SLACK = 1e-3  # [rad or m] a range can be exceeded this far without a report, because simulated limits are soft
+SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which can still represent its square
+SLACK = 1e-3  # [rad or m] a range can be exceeded by this much without a report, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
-NEAR, NEAR_RIVAL = 1 / 5, 1 / 3  # as a fraction of a jump: how near it ends to the position before last, or a rival's
+# A jump ends near the position before last, or near a rival's, if it misses it by less than this part of its length.
+NEAR, NEAR_RIVAL = 1 / 5, 1 / 3
 COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
-SILENT_AFTER = 25  # dropped messages in a row, per rival; then the followed publisher counts as silent
+SILENT_AFTER = 25  # dropped messages in a row, per rival, after which the followed publisher counts as silent
 SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; any other jump cancels 1/4 of one
 Ranges = Mapping[str, tuple[float, float]]
 
@@ -70,7 +72,7 @@ class NameList(NamedTuple):
 
     @classmethod
     def of(cls, names: Sequence[str]) -> NameList:
-        """Count the names and keep the first few, each cut off after 40 characters."""
+        """Count the names and keep the first few, each truncated to 40 characters."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
@@ -79,7 +81,7 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the previous ones. If that differs between joints, the report has the value listed last."""
+    """How a message follows the previous ones. If it differs between joints, the report has the value listed last."""
 
     NEXT = ""  #: the publisher's next message
     RESTARTED = "the publisher was started again"  #: its stamp jumps far back
@@ -121,7 +123,7 @@ class JointReport(NamedTuple):
         return {"matched": len(self.joints), **arrivals, **totals}
 
     def __str__(self) -> str:
-        """Return the line for the log and below the 3D view."""
+        """Return the line for the log and for the text below the 3D view."""
         if self.dropped:
             return self.arrival.value
         shown = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)} shown"
@@ -147,7 +149,7 @@ class JointMatcher:
     """Decides which joints each message of one topic moves. It has no thread and no clock.
 
     `match_joints` matches the names. Then each joint is judged separately, against the message that moved it last: an
-    older message is late, and a message over a second older means that the publisher was restarted. Publishers of
+    older message is late, and a message more than a second older means that the publisher was restarted. Publishers of
     different joints are all shown. If several publish the same joint, one is followed until it falls silent.
 
     Args:
@@ -175,7 +177,7 @@ class JointMatcher:
         return self._judge(message, stamp_ns)
 
     def _judge(self, message: JointState, stamp_ns: int) -> tuple[dict[str, float], JointReport]:
-        """Match a message that no shortcut fits, and decide which of its joints it moves."""
+        """Match a message that no shortcut applies to, and decide which of its joints it moves."""
         positions, report = match_joints(self._ranges, message)
         if not positions:
             return {}, report
@@ -202,16 +204,16 @@ class _Track:
 
     positions: Mapping[str, float]  # the positions in that message; some of these joints may have moved since
     stamp_ns: float  # the message's; -inf before the first message
-    dropped: int = 0  # rivals' messages in a row since then
+    dropped: int = 0  # the number of rivals' messages dropped in a row since then
 
 
 class _Publishers:
     """Tells the publishers of one topic apart by their messages, because in rclpy a message does not name its sender.
 
     If there are as many separate sets of joints as publishers, no joint is shared, unless one keeps jumping back and
-    forth. Otherwise a message comes from a rival if it is older than the last one, over 10 s newer, or makes a joint
-    jump. Once a single rival's position of the joint is known, only a jump to it counts. Publishers that agree are all
-    shown.
+    forth. Otherwise a message comes from a rival if it is older than the last one, more than 10 s newer, or makes a
+    joint jump. Once a single rival's position of the joint is known, only a jump to that position counts. Publishers
+    that agree are all shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:

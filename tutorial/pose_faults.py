@@ -25,7 +25,7 @@ def fault_of(message: JointState | TransformStamped) -> str:
     p, q = message.transform.translation, message.transform.rotation
     if message.header.frame_id != "odom":
         return "with a parent frame other than odom"
-    if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # False for NaN, too
+    if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # also False for NaN
         return "with a position that is not finite, or too far away"
     if not abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) <= TOLERANCE:
         return "with an orientation that is not a unit quaternion"
@@ -33,7 +33,9 @@ def fault_of(message: JointState | TransformStamped) -> str:
 
 
 class Tally:
-    """Counts the messages that a viewer shows and leaves out. Logs the count every five seconds, except at the start.
+    """Counts the messages that a viewer shows, and those that it leaves out.
+
+    Logs the counts every five seconds, except at the start.
 
     Args:
         name: the body's name.

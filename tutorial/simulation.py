@@ -11,11 +11,11 @@ from enum import Enum
 from tutorial.body import Body, FindCamera
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, where
-from tutorial.handoff import Latest
+from tutorial.handoff import NOT_RUNNING, Latest
 from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
-SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005, a busy cell starves a thread that wakes a thousand times a second
+SWITCH_INTERVAL = 0.0002  # [s]; with the default, 0.005, a busy cell starves a thread that wakes every millisecond
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between batches of steps
 LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
@@ -40,8 +40,8 @@ class Simulation:
     """A world of simulated bodies and their controllers, and the thread that steps it.
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
-    `stop`. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is initialized
-    with. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
+    `stop` is called. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is
+    initialized with. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
 
     Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
     a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:
@@ -56,7 +56,8 @@ class Simulation:
     =========  ==============  ===========  ===================  ============================
 
     A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, `stop` is the only method
-    of a controller that is called. If it raises during a run, in `release`, the run goes on, and ends in FAILED.
+    of a controller that is called. If it raises when `release` calls it during a run, the run continues, and then ends
+    in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
@@ -67,7 +68,7 @@ class Simulation:
         snapshot: the world's newest state, for other threads.
         state: the current state.
         error: the last error of a controller since the last start, or None.
-        rest: the pause between batches of steps in real time [s]. A longer pause takes less processor time.
+        rest: the pause between batches of steps in real time [s]. A longer pause saves CPU time.
 
     Raises:
         TutorialError: the bodies cannot form a world.
@@ -90,7 +91,7 @@ class Simulation:
         self.state = State.IDLE
         self.error: ControllerError | None = None
         # Two locks, always taken in this order. Methods that start, stop or change something take turns, and hold the
-        # first lock even while they wait for controllers. A change of state needs only the second lock, which nobody
+        # first lock even while they wait for controllers. A change of state needs only the second lock, which no thread
         # holds while a controller runs. So a run can record its end while stop() has the turn and waits for that end.
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
@@ -115,7 +116,7 @@ class Simulation:
         return self.world.time
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to their positions in the newest snapshot. Main thread.
+        """Move displayed bodies to their positions in the newest snapshot. Main thread only.
 
         Args:
             bodies: displayed bodies; bodies that are not simulated do not move.
@@ -171,10 +172,10 @@ class Simulation:
 
         Raises:
             ControllerError: one of its controllers has never returned.
-            TutorialError: it is running already.
+            TutorialError: it is already running.
         """
         with self._turn("start()"):
-            self._check_idle("the simulation is running already. Call stop() first.")
+            self._check_idle("the simulation is already running. Call stop() first.")
             last_step = None if duration is None else self.step + round(duration / self.time_step)
             run = Run.on_own_thread(lambda run: self._main(run, last_step))
             self._begin(run)
@@ -183,7 +184,7 @@ class Simulation:
     def stop(self) -> None:
         """End the run and stop the controllers. The world keeps its state. Idempotent.
 
-        The thread of a controller that does not return lives until the process ends; `error` names its current line.
+        The thread of a controller that does not return runs until the process ends; `error` names its current line.
         """
         with self._turn("stop()"):
             self._step_run.stopping.set()
@@ -211,7 +212,7 @@ class Simulation:
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Let one caller at a time start, stop or change something, but no controller: it would wait for itself."""
+        """Let one caller at a time start, stop or change something. Refuse a controller: it would wait for itself."""
         if self._step_run.is_mine() or self._stop_run.is_mine():
             raise TutorialError(
                 f"{caller} was called by a controller, and would wait for it forever. Call it elsewhere."
@@ -238,6 +239,7 @@ class Simulation:
         """Go to RUNNING: a run begins."""
         with self._state_lock:
             self.state, self.error, self._step_run = State.RUNNING, None, run
+            self.world.requests.open(run.thread)
 
     def _end(self, run: Run, error: ControllerError | None) -> None:
         """Go to IDLE, or to FAILED after an error. Do nothing if the run was abandoned or never began."""
@@ -247,10 +249,11 @@ class Simulation:
             self.snapshot.put(self.world.snapshot())
             self.error = error or self.error
             self.state = State.FAILED if self.error else State.IDLE
+            self.world.requests.close(f"the simulation has stopped: {self.error}" if self.error else NOT_RUNNING)
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
-        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, let its end do that."""
+        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, leave that to its end."""
         with self._state_lock:
             if error is not None and not run.abandoned:
                 self.error = error
@@ -263,9 +266,10 @@ class Simulation:
             if stuck.finished.is_set():
                 return
             name, file = stuck.at_work()
-            problem = f"{name} does not return{where(stuck.thread, file)}"
+            problem = f"{name}{' or a request' * (stuck.controller is None)} does not return{where(stuck.thread, file)}"
             text = f"{problem}. Fix it, then open its program again: this simulation cannot continue."
             self.state, self.error = State.ABANDONED, ControllerError(text)
+            self.world.requests.close(text)
             stuck.abandon()
             if not self._step_run.finished.is_set():
                 self._step_run.abandon()

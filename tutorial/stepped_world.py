@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tutorial.body import Body, FindCamera
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError, describe_error, file_of
+from tutorial.handoff import RequestQueue
 from tutorial.world import Placement, compose
 
 POLL_EVERY = 0.001  # [s] between checks for a run's next lap
@@ -68,7 +69,7 @@ class Run:
         return run
 
     def is_mine(self) -> bool:
-        """Return whether the calling thread is this run's thread, so that the caller must be one of its controllers."""
+        """Return whether the calling thread is this run's, which means that one of its controllers is calling."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
@@ -101,13 +102,14 @@ class SteppedWorld:
         placements: the bodies.
         controllers: pairs of a body's name ("" for the world) and a controller, in the order of the calls.
         time_step: the time step [s].
-        find_camera: finds a camera of a simulated body, see `Body`; None for a world without pictures.
+        find_camera: finds a camera of a simulated body (see `Body`); None for a world without pictures.
 
     Attributes:
         model: the composed MuJoCo model.
         data: the model's state, which belongs to the thread that steps.
         time_step: as given.
         bodies: the simulated bodies by name.
+        requests: what other threads have asked for, to be carried out between two steps.
         step: the number of simulated steps.
         initialized: whether the controllers have been initialized, and not dismissed since.
 
@@ -128,6 +130,7 @@ class SteppedWorld:
         self.bodies = {p.name: Body(p.name, self.model, self.data, find_camera=find_camera) for p in placements}
         places = self.bodies | {"": Body("", self.model, self.data)}
         self._controllers = [(each, ControllerIO(places[name], time_step)) for name, each in controllers]
+        self.requests = RequestQueue()
         self.initialized = False
         self.step = 0
 
@@ -141,7 +144,7 @@ class SteppedWorld:
         return Snapshot(self.time, self.data.qpos.copy())
 
     def initialize(self, run: Run) -> None:
-        """Initialize every controller, unless they already are. If one fails, stop the initialized ones.
+        """Initialize all controllers, unless that has been done. If one fails, stop those that were initialized.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -165,7 +168,7 @@ class SteppedWorld:
         self.initialized = True
 
     def run_steps(self, run: Run, count: int) -> bool:
-        """Call every controller, then let MuJoCo step, ``count`` times.
+        """Carry out the requests that wait, call every controller, and let MuJoCo step, ``count`` times.
 
         Returns:
             True after all steps; False if the run had to end earlier.
@@ -177,6 +180,7 @@ class SteppedWorld:
         run.laps += 1
         try:
             for _ in range(count):
+                self.requests.run_waiting()
                 if run.stopping.is_set():
                     return False
                 for controller, io in self._controllers:

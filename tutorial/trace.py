@@ -1,7 +1,7 @@
 """Records when, and on which thread, each message was received, posted and applied, to make the hand-off visible.
 
-A program without a trace spends one check per message and per call. A trace keeps only the newest handoffs, so it can
-stay switched on.
+Without a trace, a program only makes one check per message and per call. A trace keeps only the newest handoffs, so it
+can stay switched on.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Handoff:
 class HandoffTrace:
     """The newest handoffs of a program. Any thread can use it.
 
-    Give it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
+    Pass it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
         capacity: how many handoffs to keep; the oldest are dropped.
@@ -114,7 +114,7 @@ class HandoffTrace:
             self._current.message = outer
 
     def post(self) -> Handoff:
-        """Record that a call is posted. Return its handoff; call `apply` or `supersede` on that later."""
+        """Record that a call is posted. Return its handoff; call `apply` or `supersede` on it later."""
         message: Handoff | None = getattr(self._current, "message", None)
         if message is not None and message.posted is None:  # the callback's first call
             message.posted = Moment.now()

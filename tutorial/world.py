@@ -58,7 +58,7 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
             model = world.compile()
         model.names.decode()  # MuJoCo accepts names that are not UTF-8, and then cannot return them
     except FAILS as error:
-        raise TutorialError(f"the world does not compile. MuJoCo says: {error}\n{unused}".rstrip()) from error
+        raise TutorialError(f"the world does not compile. MuJoCo reports: {error}\n{unused}".rstrip()) from error
     if unused:
         _log.warning("%s", unused)
     return model
@@ -102,4 +102,4 @@ def _read(path: Path) -> mujoco.MjSpec:
 
 
 def _does_not_load(path: Path, error: Exception) -> TutorialError:
-    return TutorialError(f"the model {str(path)!r} does not load. MuJoCo says: {error}")
+    return TutorialError(f"the model {str(path)!r} does not load. MuJoCo reports: {error}")

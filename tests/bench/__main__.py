@@ -1,6 +1,6 @@
 """Measure costs as ratios: our code and a reference run alternately, so a noisy machine disturbs both equally.
 
-``make bench`` runs it. It is not a test: people judge a ratio, but a test has to pass or fail.
+``make bench`` runs it. It is not a test, because a person has to judge the ratios.
 """
 
 import os
@@ -43,7 +43,7 @@ def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequ
         program: the file's name.
         how: further arguments for both.
         by: a command that runs both, such as `REAL`.
-        published_by: a different command for the publisher; None for the same.
+        published_by: a different command for the publisher; None uses the same one.
     """
     command = [sys.executable, str(Path(__file__).with_name(program))]
     publishing = [*(by if published_by is None else published_by), *command, "publish", *how]
@@ -59,7 +59,7 @@ def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequ
 
 
 def traffic(pace: str, real: bool) -> Pair:
-    """Return our node and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
+    """Measure our node and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
     if real:
         reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
     else:
@@ -75,9 +75,9 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
     if REAL:
         yield "publish to callback / rclpy of a real ROS 2", traffic("beat", True), "0.82", "us"
         yield "from message to message, unthrottled / rclpy of a real ROS 2", traffic("flood", True), "0.2", "us"
-        yield "processor time of a message received / rclpy of a real ROS 2", traffic("cost", True), "0.2", "us"
+        yield "processor time per received message / rclpy of a real ROS 2", traffic("cost", True), "0.2", "us"
     many, few = (partial(measured, "fleet.py", tanks) for tanks in ("100", "10"))
-    yield "what a viewer computes in 1 s for one tank at 50 Hz, of 100 / of 10", (many, few), "1.0 at most", "ms"
+    yield "a viewer's processor time in 1 s for one tank at 50 Hz, of 100 / of 10", (many, few), "at most 1.0", "ms"
     if REAL:
         yield "the same, of 100 / with rclpy of a real ROS 2", (many, partial(many, by=REAL)), "", "ms"
     for joints in (2, 7, 40):

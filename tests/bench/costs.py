@@ -92,7 +92,7 @@ def chain(count: int) -> Body:
 
 
 def import_time() -> tuple[Timed, Timed]:
-    """Measure ``import tutorial`` in a fresh Python, without the time that Python takes to start; and that time."""
+    """Measure ``import tutorial`` in a fresh Python without Python's own start-up time; and the start-up time."""
 
     def start(code: str) -> float:
         began = time.perf_counter()

@@ -1,6 +1,6 @@
 """Measure what a fleet costs its viewer: the processor time for one tank's messages at 50 Hz, with few and many tanks.
 
-Two processes: ``fleet.py publish COUNT`` publishes for `COUNT` tanks, evenly one after another; ``fleet.py
+Two processes: ``fleet.py publish COUNT`` publishes for `COUNT` tanks at evenly spaced times; ``fleet.py
 subscribe COUNT`` is the viewer, with its view but without a browser.
 """
 
@@ -28,7 +28,7 @@ WATCHED = 4.0  # [s]
 
 
 def publish(tanks: int) -> None:
-    """Let the turrets swing until this process ends."""
+    """Swing the turrets until this process exits."""
     rclpy.init(args=[])
     node = rclpy.create_node("fleet")
     publishers = [node.create_publisher(JointState, f"/Tank_{i + 1}/joint_state", 1) for i in range(tanks)]

@@ -53,7 +53,7 @@ def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[
 
 
 def subscriber(add: Callable[[Any], None]) -> Callable[[], object]:
-    """Call `add` with each message of a WaitSet; return the function that waits for more."""
+    """Call `add` with each message that a WaitSet reports; return the function that waits for more."""
     reader, waitset = DataReader(*ends), WaitSet(participant)
     waitset.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
 

@@ -1,7 +1,7 @@
 """Measure how messages travel between two processes: with our node, plain Cyclone DDS Python, or a real rclpy.
 
-All publish the same message reliably, ``traffic.py publish|subscribe node|plain beat|flood|cost``: 100 times a second,
-stamped with the time; or as fast as they can, to count the messages that arrive.
+``traffic.py publish|subscribe node|plain beat|flood|cost`` runs one end. Every publisher sends the same message
+reliably: 100 times a second, stamped with the time, or as fast as it can, to count the messages that arrive.
 """
 
 import statistics
@@ -13,7 +13,7 @@ from typing import Any
 MESSAGES = 300
 WARM_UP = 50
 PERIOD = 0.01  # [s]
-FLOOD = 2.0  # [s] of counting
+FLOOD = 2.0  # [s] during which messages are counted
 
 
 def publish(kind: str, pace: str) -> None:

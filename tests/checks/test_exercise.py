@@ -41,8 +41,8 @@ def test_hints_get_stronger_and_the_first_ones_give_nothing_away(exercise, capsy
         exercise.hint(number)
     first, second, third, fourth = capsys.readouterr().out.splitlines()
     assert first.startswith("Hint 1 of 3: ")
-    assert first.endswith(f" {exercise.name}.hint(2) says more.")
-    assert third.endswith(f" Then there is {exercise.name}.solution().")
+    assert first.endswith(f" {exercise.name}.hint(2) reveals more.")
+    assert third.endswith(f" Still stuck? {exercise.name}.solution() prints a solution.")
     assert fourth == f"There are 3 hints: {exercise.name}.hint() to {exercise.name}.hint(3)."
     lines = [line.strip() for line in listing(exercise.right_answer).splitlines()]
     assert not any(len(line) > 20 and line in first + second for line in lines)
@@ -104,10 +104,10 @@ class Pushy:
 
 
 FIRST_LOOK = [
-    (drive, "Tank", "An object of the class str was given. Give the class itself: await drive.check(GentleTank)."),
-    (drive, unwritten, "unwritten was given. Give the class itself: await drive.check(GentleTank)."),
-    (drive, Pushy, "Pushy does not inherit from SimpleController. Begin it with: class GentleTank(SimpleController):"),
-    (by_name, Pushy, "Pushy was given. Give the function itself: await by_name.check(match_by_name)."),
+    (drive, "Tank", "An object of the class str was passed. Pass the class itself: await drive.check(GentleTank)."),
+    (drive, unwritten, "unwritten was passed. Pass the class itself: await drive.check(GentleTank)."),
+    (drive, Pushy, "Pushy does not inherit from SimpleController. Define it as: class GentleTank(SimpleController):"),
+    (by_name, Pushy, "Pushy was passed. Pass the function itself: await by_name.check(match_by_name)."),
 ]
 
 

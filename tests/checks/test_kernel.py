@@ -1,4 +1,4 @@
-"""The checks as a notebook uses them: classes that live in a kernel's ``__main__``, and cells that are awaited."""
+"""The checks as a notebook uses them: classes that live in a kernel's ``__main__``, and cells that use ``await``."""
 
 import pytest
 from kernels import kernel

@@ -74,7 +74,7 @@ def test_a_broken_file_is_reported_and_not_changed(notebook, text):
 def test_a_file_that_is_not_small_and_regular_is_not_read(notebook, make):
     make(notebook / FILE)
     remember("aim")
-    assert "it is not a file of at most 1 MB." in read_progress()[1]
+    assert "it is not a regular file, or it is larger than 1 MB." in read_progress()[1]
 
 
 def test_a_failed_write_does_not_change_the_file(notebook, monkeypatch):

@@ -38,7 +38,7 @@ class Run:
         return self.stdout + self.stderr
 
     def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
-        """Wait until `so` is true, then call `then`. Without `then`, or after a timeout, act like Ctrl-C."""
+        """Wait until `so` is true, then call `then`. Without `then`, or after a timeout, press Ctrl-C."""
         try:
             until(lambda: (self.stops and so()) or self.status is not None)
         except AssertionError:
@@ -48,7 +48,7 @@ class Run:
 
 @pytest.fixture
 def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
-    """Run ``tank`` with arguments, `line` being split. `once` it prints a text or a condition holds, press Ctrl-C."""
+    """Run ``tank`` with the words in `line`. Press Ctrl-C when it has printed `once`, or when that condition holds."""
 
     def run(line: str, *words: object, once: str | Callable[[], object] | None = None, then=None) -> Run:
         done = Run()

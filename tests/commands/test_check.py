@@ -88,7 +88,7 @@ def school(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def judged(school, tmp_path_factory):
-    """The result: by learner, the problem and the answers by exercise; the whole JSON; the process; the JUnit file."""
+    """The result: each learner's problem, and answers by exercise; the whole JSON; the process; the JUnit file."""
     junit = tmp_path_factory.mktemp("junit") / "junit.xml"
     words = [TANK, "check", school, "--json", "--limit", str(LIMIT), "--junit", junit, "--jobs", "3"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=False)

@@ -37,7 +37,7 @@ OTHERS = "all machines in this network"
         ("discovery", "sourced", 0, {}, "note", f"SUBNET: nodes on {OTHERS}", "=LOCALHOST"),
         ("discovery", "pocket", 0, {RANGE: "LOCAL"}, "problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}"),
         ("discovery", "pocket", 0, {"CYCLONEDDS_URI": "x"}, "note", "; CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
-        ("domain", "pocket", [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: nobody else", ""),
+        ("domain", "pocket", [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: no other nodes", ""),
         ("domain", "pocket", ["/t", "/j", "/t"], {}, "note", "/j, 2 x /t. Nodes with the same", "__node:=viewer"),
         ("domain", "pocket", LIBCRYPTO, {}, "problem", "cannot create a node in domain 0: ImportError", "ROS 2"),
     ],

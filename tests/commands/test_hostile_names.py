@@ -73,7 +73,7 @@ def hostile(domain):
     ],
 )
 def test_names_and_texts_are_printed_as_escapes(hostile, tank, command, status, lines):
-    """Try again if the programs had no time to discover each other. All output but line breaks must be printable."""
+    """Try again if the programs have not discovered each other yet. All output except line breaks must be printable."""
 
     def says_so():
         run = tank(command)

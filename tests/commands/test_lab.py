@@ -58,7 +58,7 @@ NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), ""
 
 @pytest.mark.process
 def test_lab_prints_its_address_trusts_the_notebooks_and_ends_with_its_kernels(program, tmp_path):
-    """Run without a browser, and possibly as root, as in a container. Ctrl-C ends it silently."""
+    """Run without a browser, and possibly as root, as in a container. Ctrl-C stops it silently."""
     folders = {f"{name}_DIR": str(tmp_path / name) for name in JUPYTERS}
     quick = ("--ServerApp.port=0", "--LanguageServerManager.autodetect=False")  # without npm
     running = program("lab", "--", *quick, environment=NOWHERE | folders | {"PATH": os.defpath})

@@ -21,7 +21,7 @@ FILE = """from launch import LaunchDescription
 from launch.actions import ExecuteProcess
 def generate_launch_description(): return LaunchDescription([{}])
 """
-SLEEP = "import time\nwhile True: time.sleep(0.1)  # not in one go: a signal that comes just before would not be heard"
+SLEEP = "import time\nwhile True: time.sleep(0.1)  # in short sleeps: a signal just before a long one would be missed"
 SLEEPER = ["python3", "-c", f"print('asleep', flush=True)\n{SLEEP}"]
 IGNORE = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); print('stubborn', flush=True)"
 
@@ -91,7 +91,7 @@ class Machine:
         return self.processes[-1]
 
     def run(self, path, ask=False, **environment):
-        """Run a launch file, ask it to end once each process has printed something, and return the exit status."""
+        """Run a launch file, ask it to stop once each process has printed something, and return the exit status."""
         self.launcher = Launcher(load_launch_file(path), environment, self.out)
 
         def look(_):
@@ -142,7 +142,7 @@ def test_when_stopping_it_kills_processes_that_do_not_end(machine, launch_file, 
     monkeypatch.setattr(launcher, "TIMEOUT", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted
-    assert machine.lines[-1] == "stubborn | did not stop within 0.2 s and is killed"
+    assert machine.lines[-1] == "stubborn | did not stop within 0.2 s, so it is killed"
     assert machine.heard[0] == [INT]
     assert machine.heard[1][:2] == [INT, KILL]
 

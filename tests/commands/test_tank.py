@@ -41,7 +41,7 @@ class TankController(SimpleController):
         ("run step3 --robot arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
         ("urdf mine.py", 1, "'mine.py' is not a model: its name does not end in '.xml'."),
         ("check .", 1, "Error: there is no notebook in ."),
-        ("bag record", 2, "name topics, or give -a for all of them."),
+        ("bag record", 2, "name the topics, or give -a for all topics."),
         ("bag play a b", 2, "'b' is unexpected: give one bag"),
         ("bag play a --clock 1e308", 2, "1e+308 is not in the range 0<x<=1000."),
         ("chaos --from a-b", 1, "topic name"),

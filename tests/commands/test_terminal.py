@@ -1,4 +1,4 @@
-"""How commands end: the first Ctrl-C or SIGTERM asks them to; the second ends them at once, even if they are stuck."""
+"""How commands end: the first Ctrl-C or SIGTERM asks them to stop; the second kills them at once, even if they hang."""
 
 import io
 import logging

@@ -20,7 +20,7 @@ async def why(topic: str) -> None:
 
 @pytest.fixture(params=["command", "cell"])
 def answer(request, domain, capsys, tank):
-    """Return a function that asks about a topic at a terminal or in a cell, and returns the text."""
+    """Return a function that asks about a topic in a terminal or in a cell, and returns the text."""
 
     def ask(topic: str, status: int = 1) -> str:
         if request.param == "command":

@@ -1,4 +1,4 @@
-"""Step 5's controller: it shows the measurements, and a blow shakes the body, which ends where it was."""
+"""Step 5's controller: it shows the measurements, and a blow shakes the body, which returns to its place."""
 
 import math
 

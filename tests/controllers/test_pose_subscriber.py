@@ -1,4 +1,4 @@
-"""Step 7's viewer: it shows pose and joints of the same stamp together, or not at all."""
+"""Step 7's viewer: it shows a pose and joints with the same stamp together, or not at all."""
 
 import math
 

@@ -34,7 +34,7 @@ class Drive(Simulation):
         self.steepest = 0.0
 
     def drive(self, seconds, v=0.0, h=0.0):
-        """Hold the left stick at (v, h); the turret's reference stays."""
+        """Hold the left stick at (v, h); the turret's reference does not change."""
         self.controller.joy.put(Joy(axes=[h, v]))
         for _ in range(round(seconds / LOOK_EVERY)):
             self.advance(LOOK_EVERY)

@@ -16,7 +16,7 @@ from tutorial.system.paths import HOME
 
 
 def teaches(notebook, module):
-    """Return whether a notebook teaches a controller: it has the controller's name, or the common prefix of two."""
+    """Return whether a notebook teaches a controller: its name is the controller's, or the common prefix of two."""
     return f"{module.stem}_".startswith(f"{notebook.stem[2:]}_")
 
 
@@ -81,7 +81,7 @@ def test_the_librarys_controller_is_the_notebooks_code(notebook_file, module):
 
 
 def definitions(source):
-    """Return the name and code of every class, function and constant that a text defines."""
+    """Return the name and code of every class, function and constant that a source defines."""
     found = {}
     for node in Bare().visit(ast.parse(source, type_comments=False)).body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef):

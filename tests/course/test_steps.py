@@ -59,7 +59,9 @@ async def test_two_nodes_with_the_same_name_are_reported(domain, caplog):
 
 
 @pytest.mark.parametrize("path", sorted((HOME / "launch_py").glob("*.launch.py")), ids=lambda path: path.name)
-def test_a_launch_files_programs_have_projects(path):
+def test_a_launch_files_programs_have_projects(path, backend):
+    if backend == "pocket" and path.name == "step10.launch.py":
+        pytest.skip("step 10 needs services, which the pocket ROS 2 does not have")
     commands = [process.cmd for process in load_launch_file(path)]
     assert [command[:2] for command in commands][:2] == [["tank", "joy"], ["tank", "run"]]
     assert all(Project.load(find_project(command[2])).bodies for command in commands[1:])

@@ -1,7 +1,7 @@
 """Robot and desk on two machines: two network namespaces and a cable, which this test creates and removes.
 
-Waiting cannot prove that two programs do not meet. The cable can: a program has to send something to be met, so if its
-machine has not sent a single packet, it has met nobody on the other machine.
+Waiting cannot prove that two programs do not discover each other. The cable can: a program has to send something to be
+discovered, so if its machine has not sent a single packet, no program on the other machine has discovered it.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ PEERS = "ROS_STATIC_PEERS"
 
 
 class Machine:
-    """A network namespace, with an interface ``lan`` once it is cabled.
+    """A network namespace, with an interface ``lan`` once a cable is connected.
 
-    It has no name, and exists as long as a process in it. The first one is ``cat``, which ends with this process,
-    however that ends. The cable disappears with it.
+    It has no name, and exists as long as there is a process in it. The first one is ``cat``, which ends with this
+    process, however that ends. The cable disappears with the namespace.
 
     Attributes:
         address: its address on the cable.
@@ -56,7 +56,7 @@ class Machine:
                 _enter(home.fileno())
 
     def cable_to(self, other: Machine) -> None:
-        """Connect two machines. IPv6 is off, because the kernel would send packets by itself."""
+        """Connect two machines. IPv6 is off, because the kernel would send packets on its own."""
         with self.inside():
             try:
                 _ip(f"link add lan type veth peer name lan netns {other._holder.pid}")
@@ -79,7 +79,7 @@ class Machine:
         return int(counters[9])
 
     def close(self) -> None:
-        """End the machine."""
+        """Remove the machine."""
         self._holder.communicate(timeout=TIMEOUT)
 
 

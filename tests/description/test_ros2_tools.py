@@ -1,7 +1,7 @@
 """How the tools of a real ROS 2 read the robot description. The tests need TANK_REAL_ROS2.
 
-As in ``tests/ros/test_beside_ros2.py``, that is a command that runs another command with ROS 2. RMW_IMPLEMENTATION
-chooses its middleware, by default Cyclone DDS.
+As in ``tests/ros/test_beside_ros2.py``, this is a command that runs another command with ROS 2. RMW_IMPLEMENTATION
+selects its middleware; the default is Cyclone DDS.
 """
 
 import os
@@ -64,7 +64,7 @@ def node(environment, bodies):
 
 @contextmanager
 def going_on(*command, environment):
-    """Run a command in the background, and end it and its parent with Ctrl-C."""
+    """Run a command in the background, and stop its process group with Ctrl-C."""
     quiet = subprocess.DEVNULL
     process = subprocess.Popen([*REAL, *command], env=environment, stdout=quiet, stderr=quiet, start_new_session=True)
     try:

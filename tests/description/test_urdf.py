@@ -124,7 +124,7 @@ def assert_same_robot(body, model, names):
     """Check that each link has its body's mass, inertia and place, to a micrometre, at any joint positions.
 
     Args:
-        body: in its model's initial pose.
+        body: the body, in its model's initial pose.
         model: the description's model; its world frame is the body's root.
         names: the links' names, by MuJoCo's body numbers.
     """

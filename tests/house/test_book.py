@@ -198,7 +198,7 @@ COPY_IS_THE_TEXT = """() => {
 
 
 async def see_what_one_edits(page):
-    """The visible code equals the edited one, in colours, with long lines broken in the same places."""
+    """Check that the visible code is the edited one, in colours, with long lines broken in the same places."""
     assert await page.evaluate(COPY_IS_THE_TEXT)
     assert await page.locator(".drive-keyword", has_text="class").first.is_visible()
 

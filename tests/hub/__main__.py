@@ -80,13 +80,13 @@ def main(users: int) -> None:
     ):
         students = list(pool.map(lambda number: Student(at, f"student{number}"), range(users)))
         domains = set(pool.map(attend, students))
-        print(f"{users} students, {len(domains)} domains, all tanks run after {time.monotonic() - began:.0f} s")
+        print(f"{users} students, {len(domains)} domains, all tanks running after {time.monotonic() - began:.0f} s")
         before, running, after = times(pool, students), loads(students), times(pool, students)
         paces = [100 * (now[0] - then[0]) / (now[1] - then[1]) for now, then in zip(after, before)]
         list(pool.map(rest, students))
         resting, megabytes = loads(students), [memory(student) for student in students]
         list(pool.map(finish, students))
-        print(f"all notebooks have come to their end after {time.monotonic() - began:.0f} s")
+        print(f"all notebooks have finished after {time.monotonic() - began:.0f} s")
     table = Table("of each student", "least", "median", "most")
     rows = {
         "memory [MB]": megabytes,

@@ -127,8 +127,11 @@ def test_sizes_are_the_largest(world, caplog, recwarn):
 
 def test_attached_file(world, tmp_path, caplog, recwarn, monkeypatch):
     monkeypatch.setattr("tutorial.world.mujoco_warns._due", 0.0)
+    monkeypatch.setattr("tutorial.world.mujoco_warns._unsaid", 0)
     (tmp_path / "arm.xml").write_text(f'<mujoco model="arm">{option(cone="elliptic")}{BODY}</mujoco>')
     attach = '<asset><model name="arm" file="arm.xml"/></asset><worldbody><attach model="arm" prefix="P_"/></worldbody>'
     world('<option cone="pyramidal"/>' + attach)
-    assert caplog.messages == ["a model's file attaches another file whose options differ. They are not used."]
+    assert caplog.messages == [
+        "a model's file attaches another file whose options differ. That file's options are not used."
+    ]
     assert list(recwarn) == []

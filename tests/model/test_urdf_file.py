@@ -141,7 +141,7 @@ def test_flat_visual(write, tmp_path):
         ("<robot><xacro:x/></robot>", "r.xml", "is a xacro file."),
         ('<robot name="r"><link name="a"></robot>', "r.urdf", "is not XML: mismatched tag"),
         (robot_of("file:///nowhere/m.stl"), "r.urdf", "needs the mesh 'file:///nowhere/m.stl'. There is no such file."),
-        ('<robot name="r"><joint name="j"/></robot>', "r.urdf", "does not load. MuJoCo says: "),
+        ('<robot name="r"><joint name="j"/></robot>', "r.urdf", "does not load. MuJoCo reports: "),
     ],
 )
 def test_unreadable(write, text, name, said):

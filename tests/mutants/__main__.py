@@ -29,7 +29,7 @@ Outcome = dict[Mutant, bool]  # whether each mutant is rejected
 
 
 async def judge_all(asked: Sequence[Exercise]) -> dict[str, Outcome]:
-    """Judge every mutant of some exercises, some at a time; return the outcomes by exercise."""
+    """Judge every mutant of some exercises, `JOBS` at a time; return the outcomes by exercise."""
     turn = asyncio.Semaphore(JOBS)
 
     async def judge_one(exercise: Exercise, mutant: Mutant) -> bool:

@@ -17,7 +17,7 @@ from loops import TIMEOUT, in_a_loop, until
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError
+from tutorial.errors import RefusedError, TutorialError
 from tutorial.program.host import Host
 from tutorial.program.project import BodyItem, Project
 from tutorial.ros.node_thread import NodeThread
@@ -123,7 +123,7 @@ async def test_it_follows_one_of_two_publishers_until_it_leaves(step3, caplog):
             for i in range(1, 30):  # like stamps, 3 ms apart
                 assert await say(first, 0.5, 20 * i) == 0.5
                 assert await say(second, -0.5, 20 * i + 3) == 0.5
-            assert f"Tank: 2 nodes publish on {TOPIC}, one is followed: /one, /other" in caplog.messages
+            assert f"Tank: 2 nodes publish on {TOPIC}, only one is followed: /one, /other" in caplog.messages
             one.close()
             await until(lambda: subscription.get_publisher_count() == 1)
             assert await say(second, -0.5, 600) == -0.5
@@ -179,6 +179,26 @@ async def test_a_body_can_be_removed_and_added_while_messages_arrive(step3, capl
     assert not [each for each in caplog.records if each.levelno >= logging.ERROR], caplog.text
 
 
+class Asking(SimpleController):
+    def configure(self, config):
+        Asking.ask = config.ask
+
+
+@in_a_loop
+async def test_requests_are_refused_when_their_controller_leaves(step2, step3):
+    async with Host(step3.with_controllers("Tank", Asking)):
+        with pytest.raises(RefusedError, match="there is no simulation here"):
+            Asking.ask(print)
+    async with Host(step2.with_controllers("Tank", Asking)) as host:
+        with pytest.raises(RefusedError, match="is not running"):
+            Asking.ask(print)
+        host.simulation.start()
+        assert Asking.ask(divmod, 7, 2) == (3, 1)
+        host.remove("Tank")
+        with pytest.raises(RefusedError, match=r"Asking of Tank has left the program\."):
+            Asking.ask(print)
+
+
 class Unfit(SimpleController):
     def configure(self, config):
         Unfit.call_later = config.call_later
@@ -190,7 +210,7 @@ async def test_a_body_that_cannot_join_changes_nothing(step2, step3):
     [item] = step3.bodies
     unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
     async with Host(step3, view=watched_view()) as host:
-        with pytest.raises(TutorialError, match=r"there already is a body 'Tank'\. Remove it first"):
+        with pytest.raises(TutorialError, match=r"there is already a body 'Tank'\. Remove it first"):
             host.add(item)
         with pytest.raises(TutorialError, match=r"Unfit could not join Other: test_host.py, line \d+, in configure: V"):
             host.add(unfit)
@@ -303,7 +323,7 @@ async def test_a_simulating_program_shows_its_copy(step2):
 
 
 class Poser(SimpleController):
-    """Publishes a message with a position that is not a joint state, and wants to end the program when it leaves."""
+    """Publishes a message with a position that is not a joint state, and tries to exit the program when it leaves."""
 
     def configure(self, config):
         config.node.create_publisher(Pose, "pose", 1).publish(Pose())
@@ -352,7 +372,7 @@ class Unruly(SimpleController):
 
     Attributes:
         rng: chooses the method and the misbehaviour.
-        let: ends its hanging.
+        let: releases it when it hangs.
         made: all instances.
     """
 

@@ -25,7 +25,7 @@ def nodes():
 
 @pytest.fixture
 def item(nodes):
-    return Item(TANK, SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+    return Item(TANK, SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None, None)
 
 
 @pytest.fixture
@@ -111,7 +111,7 @@ def test_one_shared_joint(joints, nodes, clock, caplog):
     show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.0, 0.2], 20)
     assert joints.applied == 2
     said = "1 joint shown; a message from another publisher was dropped for 'TURRET_Y'"
-    named = "2 nodes publish on /Tank/joint_state, one is followed: /all, /arm"
+    named = "2 nodes publish on /Tank/joint_state, only one is followed: /all, /arm"
     assert joints.line() == f"Tank: {said}; {named} (0.0 s ago)"
     assert caplog.messages == [f"Tank: {named}", f"Tank: {said}"]
 
@@ -125,7 +125,7 @@ def test_a_second_publisher_is_reported_by_name(joints, nodes, clock, caplog):
         show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 20_000_000 * i)
         show(joints, matcher, ["TURRET_Y", "TURRET_P"], [-1.0, 0.2], 20_000_000 * i + 1000)
         clock.now += 0.5
-        said = "2 nodes publish on /Tank/joint_state, one is followed: /lab/\\x1b[2Jforged, /simulation"
+        said = "2 nodes publish on /Tank/joint_state, only one is followed: /lab/\\x1b[2Jforged, /simulation"
         assert joints.line() == f"Tank: 2 joints shown; {said} (0.5 s ago)"
     assert caplog.messages == [f"Tank: {said}"]
     assert (joints.applied, joints.tally["another"]) == (20, 20)
@@ -160,7 +160,7 @@ LINKED = """
 def test_followers_are_not_stale(tmp_path, clock, caplog, nodes, equality, said):
     path = tmp_path / "hand.xml"
     path.write_text(LINKED.replace("EQUALITY", equality))
-    hand = Item(Placement("Hand", path), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+    hand = Item(Placement("Hand", path), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None, None)
     positions, report = JointMatcher(hand.body.joint_ranges).match(JointState(name=["A"], position=[0.5]))
     hand.body.set_joint_positions(positions)
     hand.body.notify_change(report)

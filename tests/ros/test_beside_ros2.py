@@ -25,6 +25,7 @@ from sensor_msgs.msg import JointState
 from tutorial.ros.bags import Bag, Player, Recorder, bag_info
 from tutorial.ros.domains import reserved_domain
 from tutorial.ros.node_thread import NodeThread
+from tutorial.ros.wheels import folder
 
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
 JOINTS, JOY = "/Tank/joint_state", "/joy"
@@ -51,7 +52,7 @@ class Beside:
     environment: dict[str, str]
 
     def run(self, *command: str) -> subprocess.CompletedProcess:
-        """Run a command that ends by itself."""
+        """Run a command that exits on its own."""
         alone = self.ros2[-1] == "ros2" and command[0] != "bag" and command[1] in ("list", "info")
         arguments = [*self.ros2, *command, *["--no-daemon"] * alone]
         return subprocess.run(
@@ -70,7 +71,7 @@ class Beside:
 
     @contextmanager
     def going_on(self, *command: str) -> Iterator[subprocess.Popen]:
-        """Run a command in the background, and end it and its parent with Ctrl-C."""
+        """Run a command in the background, and stop its process group with Ctrl-C."""
         arguments, pipe = [*self.ros2, *command], subprocess.PIPE
         process = subprocess.Popen(arguments, env=self.environment, stdout=pipe, text=True, start_new_session=True)
         try:
@@ -88,7 +89,7 @@ class Beside:
         return dict(zip(message["name"], message["position"], strict=True))
 
     def clear(self) -> None:
-        """End everything that still runs, including the daemon of ``ros2``."""
+        """Stop everything that is still running, including the daemon of ``ros2``."""
         if self.simulation.poll() is None:
             os.killpg(self.simulation.pid, signal.SIGTERM)
         self.simulation.communicate(timeout=TIMEOUT)
@@ -103,7 +104,7 @@ def rmw(request):
 
 @contextmanager
 def running(rmw: str, simulation: list[str], ros2: list[str], stdout: int = subprocess.DEVNULL, **variables: str):
-    """Run a simulation in a separate domain, and end all of it."""
+    """Run a simulation in a separate domain, and stop all its processes."""
     with reserved_domain() as domain:
         environment = {**os.environ, **variables, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
         process = subprocess.Popen(simulation, env=environment, stdout=stdout, text=True, start_new_session=True)
@@ -181,6 +182,62 @@ def test_packages_run_and_launch_on_a_real_ros_2(rmw, tmp_path):
         launched.communicate(timeout=TIMEOUT)
         assert launched.returncode == 0
 
+
+TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/SetBool"
+ASKED = [
+    ("service", "list", "-t"),
+    ("service", "type", "/Tank/reset"),
+    ("service", "call", "/Tank/reset", TRIGGER),
+    ("service", "call", "/Tank/set_motors", SET_BOOL, "{data: true}"),
+    ("service", "call", "/Tank/set_motors", SET_BOOL, "{dat: 1}"),
+    ("service", "call", "/Tank/set_motors", JOINT_STATE),
+    ("param", "list"),
+    ("param", "list", "/tank"),
+    ("param", "get", "/tank", "Tank.p_gain"),
+    ("param", "get", "/tank", "nope"),
+    ("param", "set", "/tank", "Tank.d_gain", "5.0"),
+    ("param", "set", "/tank", "Tank.d_gain", "60"),
+    ("param", "set", "/tank", "Tank.d_gain", "60.0"),
+    ("param", "set", "/tank", "nope", "1"),
+    ("param", "describe", "/tank", "Tank.d_gain", "use_sim_time"),
+    ("param", "dump", "tank"),
+    ("param", "dump", "/nope"),
+]
+
+
+@pytest.fixture(params=["the real one", "the wheels"])
+def answering(request, rmw):
+    """Step 10's running simulation on a real ROS 2, the commands of ``ros2``, and those of ``tank``."""
+    if request.param == "the real one":
+        tank, variables = [*REAL, TANK], {}
+    elif rmw == folder.RMW and folder.state() == "installed":
+        tank, variables = [TANK], {"TUTORIAL_ROS": "rclpy"}
+    else:
+        pytest.skip(f"there are no wheels with {rmw} here: see make ros")
+    with running(rmw, [*tank, "run", "step10", "--headless"], [*REAL, "ros2"], **variables) as beside:
+        beside.says("/Tank/set_motors", "service", "list")
+        beside.says("/tank", "node", "list")
+        yield beside, Beside(beside.simulation, tank, beside.environment)
+
+
+def test_services_and_parameters_are_printed_as_by_ros2(answering, tmp_path):
+    ros2, tank = answering
+
+    def printed(beside, command):
+        done = beside.run(*command)
+        return done.stdout.replace(WAITING, ""), done.stderr, done.returncode
+
+    for command in ASKED:
+        ours = printed(tank, command)  # it waits for the node; ros2 does not wait long enough on Fast DDS
+        until(lambda command=command, ours=ours: printed(ros2, command) == ours, f"{ours} from ros2 {command}")
+    dumped = tmp_path / "tank.yaml"
+    dumped.write_text(tank.say("param", "dump", "/tank").replace("p_gain: 200.0", "p_gain: 300.0"))
+    assert "Set parameter Tank.p_gain successful" in ros2.say("param", "load", "/tank", str(dumped))
+    assert ros2.say("param", "get", "/tank", "Tank.p_gain") == "Double value is: 300.0\n"
+
+
+WAITING = "waiting for service to become available...\n"
+"""What ``ros2 service call`` prints if its new node has not found the service at once; ``tank`` waits a moment."""
 
 COUNT = 100
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)

@@ -1,4 +1,4 @@
-"""A node that counts messages and spins on its own thread. To its program it looks like rclpy's."""
+"""A node that counts messages and spins on its own thread. To its program, it looks like a node of rclpy."""
 
 import sys
 import threading
@@ -194,6 +194,22 @@ def test_an_interrupted_close_can_be_continued(thread, monkeypatch):
     thread.close()
     assert not thread._thread.is_alive()
     assert not thread._context.ok()
+
+
+def test_a_paused_node_runs_no_callback(thread):
+    begun, returned = [], []
+
+    def call():
+        begun.append(1)
+        threading.Event().wait(0.01)
+        returned.append(1)
+
+    thread.node.create_timer(0.001, call)
+    for _ in range(10):
+        with thread.paused():
+            count = len(begun)
+            assert count == len(returned)
+        until(lambda count=count: len(begun) > count, "another call")
 
 
 def test_a_repeated_error_is_logged_now_and_then(node, caplog, monkeypatch):

@@ -1,9 +1,9 @@
 """Send a thousand messages a second between two processes: check losses, latencies, and that memory stays
-flat; then the same into step 3's viewer, whose queue must not grow; then into a bag.
+flat. Then send them to step 3's viewer, whose queue must not grow, and record them in a bag.
 
 ``make soak`` runs it, and prints the measurements of both ends: the rate [1/s], the latency from publication to
 callback, as median and worst hundredth [ms], and the growth of memory after a warm-up [MB]. Best effort may lose
-messages, and so may the viewer: its subscription keeps only the newest. If a requirement is not met, the program
+messages, and so may the viewer: its subscription keeps only the newest one. If a requirement is not met, the program
 prints it at the end, and the exit status is 1.
 """
 
@@ -22,7 +22,7 @@ from traffic import RATE, TIMEOUT
 TRAFFIC = Path(__file__).with_name("traffic.py")
 OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
 """The kinds of traffic, and the role of traffic.py that receives each."""
-BACKLOG = 100  # limit of calls that wait for the viewer's main thread, as a median: those of a tenth of a second
+BACKLOG = 100  # maximum median of the calls waiting for the viewer's main thread: a tenth of a second's
 RATE_BOUND = 0.99 * RATE
 
 Result = dict[str, float]
@@ -32,7 +32,7 @@ def run(kind: str, seconds: float) -> tuple[Result, Result]:
     """Run a publisher and a receiver for a while; print and return the results of both.
 
     Raises:
-        SystemExit: one of them has failed, or does not end.
+        SystemExit: one of them has failed, or does not exit.
     """
     console.print(f"{kind}, {seconds} s:")
     with python(TRAFFIC, "publish", kind, seconds) as one, python(TRAFFIC, OTHER_ENDS[kind], kind, seconds) as other:

@@ -1,7 +1,7 @@
 """Attack a program from a separate process: ``python attack.py KIND SECONDS``.
 
-It attacks every program that shows the tank's joint states in this ROS domain.
-It uses the pocket ROS 2, even if its victim does not, because a real one does not let a program send such things.
+It attacks every program that shows the tank's joint states in this ROS domain. It uses the pocket ROS 2, even if its
+victim does not, because a real one does not let a program send such things.
 """
 
 import math
@@ -43,7 +43,7 @@ HOSTILE = (
 )
 
 Step = Callable[[], object]
-"""Sends once; it is called again and again."""
+"""Sends once; it is called repeatedly."""
 
 
 def names() -> Step:
@@ -75,7 +75,7 @@ def messages() -> Step:
 def encapsulations() -> Step:
     """Send joint states with an encapsulation that does not exist.
 
-    Cyclone DDS cannot send these, so this makes the packets itself, in the name of a writer that Cyclone DDS announced.
+    Cyclone DDS cannot send these, so build the packets here, in the name of a writer that Cyclone DDS announced.
     """
     publisher = participant.create_writer("rt/Tank/joint_state", JOINT_STATE, PROFILE)
     while not publisher.count_matched():

@@ -1,5 +1,5 @@
 """Flood step 3's viewer with names, messages or packets, as an attacker would. The viewer's main loop must
-not hang, its memory must not grow, and it must neither fill the terminal nor ignore a request to end.
+not hang, its memory must not grow, and it must neither fill the terminal nor ignore a request to stop.
 
 ``make soak`` runs it, too. If a requirement is not met, the program prints it at the end, and the exit status is 1.
 """
@@ -31,7 +31,7 @@ BOUNDS = {
 
 
 def flood(kind: str, seconds: float) -> list[float]:
-    """Attack a viewer for a while, then tell it to end while the attack goes on.
+    """Attack a viewer for a while, then ask it to stop while the attack goes on.
 
     Returns:
         The values that `BOUNDS` limits.

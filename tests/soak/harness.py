@@ -19,9 +19,9 @@ EVERY = 0.1  # [s] between two samples of memory
 WARM_UP = 0.25  # share of the run in which allocators, DDS's buffers and the interpreter's caches grow
 GROWTH = 4.0
 """The memory that a process may gain after the warm-up [MB]. A run of 60 s sends 45,000 messages in that time, so this
-finds a leak of 100 bytes per message; a copy of a message with 40 joints has 1,700. It allows for growth that is not
-a leak: the pages that malloc keeps after a busy machine has caused a backlog of a second, and an arena that the
-interpreter adds."""
+finds a leak of 100 bytes per message; a copy of a message with 40 joints takes 1,700 bytes. The limit allows for growth
+that is not a leak: the pages that malloc keeps after a busy machine has caused a backlog of a second, and an arena that
+the interpreter adds."""
 MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
 
 

@@ -39,7 +39,7 @@ TIMEOUT = 60.0  # [s] for which one end waits for the other
 TOPIC = "/Tank/joint_state"
 QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
-"""No message replaces an older one: messages wait with the subscription until the callback is called, and a publisher
+"""No message replaces an older one: messages wait in the subscription until the callback is called, and a publisher
 with too many unacknowledged messages has to wait. So even a busy machine loses nothing; the rate, the latency and the
 memory show the delay instead. With a depth of N, messages would be lost once the callback is N messages behind: with
 the usual 10, after 10 ms."""
@@ -48,7 +48,7 @@ memory = Memory()
 
 
 def publish(kind: str, seconds: float) -> dict[str, Any]:
-    """Send messages on a schedule, and catch up after a delay, so that it costs no message and no rate."""
+    """Send messages on a schedule; after a delay, catch up, so that no messages are lost and the rate is kept."""
     publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, QOS.get(kind, KEEP_ALL))
     joints = ["TURRET_Y", "TURRET_P"] if kind == "hand-off" else [f"JOINT_{i:02}" for i in range(40)]
     zeros = [0.0] * len(joints)
@@ -139,7 +139,7 @@ def record(kind: str, seconds: float) -> dict[str, Any]:
 
 
 def percentiles(latencies: Sequence[int]) -> dict[str, float]:
-    """Return the median and worst hundredth [ms] of latencies [ns], of which there may be none."""
+    """Return the median and the worst hundredth [ms] of latencies [ns], or 0 if there are none."""
     median, p99 = np.percentile(latencies or [0], (50, 99)) / 1e6
     return {"median": median, "p99": p99}
 

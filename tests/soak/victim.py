@@ -1,6 +1,6 @@
-"""Run the command ``tank`` unchanged as the victim, and measure how long its main loop is held.
+"""Run the command ``tank`` unchanged as the victim, and measure how long its main loop is blocked.
 
-Every tenth of a second it writes the longest hold since the last one [s] to the file ``HOLDS``.
+Every tenth of a second, write the longest time that it was blocked since the last line [s] to the file ``HOLDS``.
 """
 
 import asyncio
@@ -18,7 +18,7 @@ run = Host.run
 
 
 async def measure() -> None:
-    """Write the holds to the file."""
+    """Write these times to the file."""
     with open(os.environ["HOLDS"], "w", buffering=1) as file:  # noqa: PTH123
         while True:
             longest, due = 0.0, time.monotonic() + EVERY
@@ -29,7 +29,7 @@ async def measure() -> None:
 
 
 async def measured_run(self: Host, *args: Any, **options: Any) -> None:
-    """Run like the command, and measure meanwhile."""
+    """Run the command, and measure at the same time."""
     measuring = asyncio.ensure_future(measure())
     try:
         await run(self, *args, **options)

@@ -19,7 +19,7 @@ SOFTWARE = ["--enable-unsafe-swiftshader", "--no-sandbox"]
 AS_WITH_A_CARD = ["--use-gl=angle", "--use-angle=swiftshader", "--disable-gpu-rasterization", *SOFTWARE]
 """An emulated graphics card composites WebGL and the page: 3D appears on the page at once."""
 AS_WITHOUT = ["--disable-gpu", *SOFTWARE]
-"""It draws only WebGL: a page with much text takes a third less time, one with moving 3D takes more."""
+"""It draws only WebGL: a page with a lot of text takes a third less time, one with moving 3D takes longer."""
 LIKE_A_CARD = """
 for (const {prototype} of [WebGLRenderingContext, WebGL2RenderingContext]) {
     const {getExtension} = prototype;
@@ -64,7 +64,7 @@ async def open_browser(
         path: the path of the browser.
         width, height: the page's size [CSS pixels].
         arguments: more of the browser's arguments, such as `AS_WITHOUT`.
-        scale: pixels per CSS pixel. A page that nobody looks at needs less than one.
+        scale: pixels per CSS pixel; less than one is enough for a page that nobody looks at.
     """
     async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(executable_path=path, args=[*arguments])

@@ -59,7 +59,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "a button is 0 or 1": becomes(PRESSED, PRESSED.replace("==", ">=")),
     },
     "bound": {
-        "the end of the line keeps four of however many values": becomes(
+        "the end of the line keeps only four values anyway": becomes(
             FOUR_AXES, FOUR_AXES.replace("axes[:4]", "axes[:5]")
         ),
     },

@@ -1,6 +1,6 @@
 """Judge answers in forks of one process that has already imported everything, instead of in new interpreters.
 
-There are hundreds of mutants. Judging one in a fork takes a fifth of the time, partly because no cause is searched for.
+There are hundreds of mutants. Judging one in a fork takes a fifth of the time, partly because it searches for no cause.
 Otherwise a mutant runs like a learner's answer; other tests cover the start in a new interpreter.
 """
 

@@ -90,7 +90,7 @@ class Notebook:
         await until(answers, "the notebook's kernel answers")
 
     async def go_to_the_top(self) -> None:
-        """Choose the first cell, as a click beside it does; keys then mean the notebook's commands."""
+        """Choose the first cell, like a click beside it; keys are then the notebook's commands."""
         await self._choose(0)
         await self._do("content.activate()")
 
@@ -168,10 +168,10 @@ class Notebook:
         await self.is_ready()
 
     async def reconnect(self) -> None:
-        """Make the page drop its connection to the kernel and open a new one; wait until that carries messages.
+        """Make the page drop its connection to the kernel and open a new one; wait until the new one carries messages.
 
         The server drops the kernel's messages while it opens a new connection, so ask until an answer arrives.
-        The control channel answers even beside a busy cell.
+        The control channel answers even while a cell is busy.
         """
         await self._do("sessionContext.session.kernel.reconnect()")
         ask = """({kernel}) => Promise.race([
@@ -187,7 +187,7 @@ class Notebook:
         await self.is_ready()
 
     async def close(self) -> None:
-        """End the kernel, save the notebook and close it; the page stays."""
+        """Shut down the kernel, save the notebook and close it; the page stays."""
         await self._do("sessionContext.shutdown()")
         await self.save()
         await self.page.evaluate("void window.jupyterapp.shell.currentWidget.close()")

@@ -33,7 +33,7 @@ async def until(condition: Callable[[], object], what: str = "the condition", ti
     deadline = time.monotonic() + timeout
     while not await _result(condition):
         if time.monotonic() > deadline:
-            pytest.fail(f"waited {timeout:.0f} s in vain for {what}")
+            pytest.fail(f"timed out after {timeout:.0f} s waiting for {what}")
         await asyncio.sleep(0.02)
 
 

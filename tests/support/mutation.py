@@ -44,9 +44,9 @@ class Mutant:
 
 @cache
 def mutants_of(exercise: Exercise) -> tuple[Mutant, ...]:
-    """Make every mutant of an exercise's right answer, each once, without invalid Python.
+    """Make every mutant of an exercise's right answer, without duplicates and invalid Python.
 
-    They replace operators by similar ones, change numbers and texts, negate signs and conditions, swap
+    They replace operators with similar ones, change numbers and texts, negate signs and conditions, swap
     neighbours, leave out statements and other parts, and exchange names.
     """
     tree = ast.parse(listing(exercise.right_answer))
@@ -116,7 +116,7 @@ def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
 
 
 def _exchanged_names(nodes: Sequence[ast.Name | ast.Attribute], tree: ast.Module) -> Iterator[tuple[ast.AST, str, str]]:
-    """Replace each name by every other that is used in the same way on the same object, such as read, set or called."""
+    """Replace each name with every other one that is used in the same way on the same object: read, set or called."""
     uses = {id(node.func): "called" for node in ast.walk(tree) if isinstance(node, ast.Call)}
     looks = (node for node in ast.walk(tree) if isinstance(node, (ast.Attribute, ast.Subscript)))
     uses |= {id(node.value): "looked into" for node in looks}

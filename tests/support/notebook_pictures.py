@@ -72,7 +72,7 @@ async def store_pictures(paths: Iterable[Path], shown: Path = SHOWN) -> None:
 
 
 def keep_pictures(before: Any, now: Any) -> None:
-    """Put the pictures of a notebook into a later run of it, where the same cell shows the same widget."""
+    """Copy a notebook's pictures into a later run of it, where the same cell shows the same widget."""
     pictures = [(source, text, output) for source, text, output in _pictured(before)]
     for source, text, output in _pictured(now):
         for old in pictures:

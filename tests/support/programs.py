@@ -28,7 +28,7 @@ def until(condition: Callable[[], object], what: str = "the condition", timeout:
     """Wait until a condition holds, and fail if it never does."""
     deadline = time.monotonic() + timeout
     while not condition():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        assert time.monotonic() < deadline, f"timed out waiting for {what}"
         time.sleep(0.02)
 
 
@@ -87,14 +87,14 @@ class Program:
         """Wait until it has printed a text; if it ends first, fail with its output."""
         with suppress(AssertionError):
             until(lambda: text in self.output or not self._reader.is_alive())
-        assert text in self.output, f"waited in vain for {text!r}, it said:\n{self.output}"
+        assert text in self.output, f"timed out waiting for {text!r}; it printed:\n{self.output}"
 
     def asks_to_stop(self) -> None:
         """Press Ctrl-C."""
         self.process.send_signal(signal.SIGINT)
 
     def ends(self) -> int:
-        """Wait for its end, and return its exit status."""
+        """Wait until it exits, and return its exit status."""
         status = self.process.wait(TIMEOUT)
         self._reader.join(TIMEOUT)
         return status

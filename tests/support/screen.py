@@ -11,6 +11,7 @@ from loops import until
 
 SEE = "**What you should see:**"
 HALF = 0.5  # of its area: then it counts as on the screen
+WHOLE = 0.95  # of its area: then it counts as whole
 GLANCE = 0.1  # [s] from one glance to the next
 TOO_LONG = 3  # glances in which something moved off the screen
 NAMES = """
@@ -74,7 +75,7 @@ HEIGHT = """([first, said]) => {
     const line = words.find((word) => word.textContent.startsWith("What you should see"));
     return [line.getBoundingClientRect().bottom - top, panel.clientHeight];
 }"""
-"""From the top of the last widgets in these cells to the line that says what to see, and of the screen [px]."""
+"""The height from the top of the last widgets in these cells to the line that says what to see; the screen's [px]."""
 
 
 @dataclass
@@ -82,7 +83,7 @@ class Sight:
     """A 3D view on the page.
 
     Attributes:
-        name: of the view; it may be shown several times.
+        name: the view's name; the view may be shown several times.
         share: how much of it is on the screen, 0 to 1.
         has_moved: whether something in it has moved since the cell was started.
         moves: whether something in it has moved since the last glance.
@@ -114,7 +115,7 @@ class Learner:
     shows the view again, its motion is not the effect of a cell.
 
     Args:
-        notebook: it is open, and at its beginning.
+        notebook: the open notebook, at its beginning.
         path: its file.
     """
 
@@ -129,7 +130,7 @@ class Learner:
 
     @property
     def missed(self) -> list[str]:
-        """What happened off the screen, a line each."""
+        """What happened off the screen, one line each."""
         return [*self._missed, *(line for name in self._moved for line in self._lines(name))]
 
     def _lines(self, name: str) -> list[str]:
@@ -176,6 +177,9 @@ class Learner:
         gone |= {name for name, glances in unseen.items() if glances > TOO_LONG}
         for name in gone - self._running:
             self._moved.setdefault(name, []).append(number)
+        for sight in sights:
+            if sight.is_new and sight.share < WHOLE:
+                self._missed.append(f"cell {number} shows only {sight.share:.0%} of {sight.name}")
         for name in {sight.name for sight in sights if sight.is_new}:
             self._missed += self._lines(name)
             self._moved.pop(name, None)

@@ -121,7 +121,9 @@ def test_on_other_threads_a_receivers_error_is_kept_and_logged_once(stage, eye, 
         elsewhere(eye.capture, broken)
         stage.body.camera("SMALL").capture(lambda _: None)  # waits for the first one
     assert isinstance(stage.renderer.error, SystemExit)
-    assert [record.getMessage() for record in caplog.records] == ["a receiver of pictures failed; others continue"]
+    assert [record.getMessage() for record in caplog.records] == [
+        "a receiver of pictures failed; other receivers continue"
+    ]
 
 
 def test_a_closed_camera_delivers_no_more_images(stage, eye):

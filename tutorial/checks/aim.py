@@ -3,18 +3,18 @@
 Write the method `aim` of `HeldJoint`. It is called once per simulation step, with the stick's position between -1 and
 1, and holds the joint where the stick has put it:
 
-- The reference begins at the joint's angle. In each call it moves by `0.002 * stick` rad, so by 0.002 rad at full stick
+- The reference starts at the joint's angle. In each call it moves by `0.002 * stick` rad, so by 0.002 rad at full stick
   and by half of that at half stick. It stays within `joint.range`, a pair (lower, upper).
-- The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set it as `joint.effort` [N.m] in every call, even if the
+- The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set `joint.effort` [N.m] to it in every call, even if the
   stick is at rest. `q` is `joint.position`, and `q_ref` is the reference after it has moved.
-- `dq_ref` and `dq` are speeds [rad/s]: the change of `q_ref` and of `q` since the last call, divided by `time_step`.
+- `dq_ref` and `dq` are speeds [rad/s]: the change in `q_ref` and in `q` since the last call, divided by `time_step`.
   You may use `joint.velocity` as `dq`.
 
-Hint 1: Which numbers does the next call need? Keep these two in self; both begin at the joint's angle. And how far can
+Hint 1: Which two numbers does the next call need? Keep them in self; both start at the joint's angle. And how far can
 the reference go? joint.range has two ends.
 
-Hint 2: Move the reference first, and limit it. A speed is the change since the last call divided by time_step, so
-compute both speeds while you still have the old values. Store the new values at the very end.
+Hint 2: Move the reference first, and clamp it to the range. A speed is the change since the last call divided by
+time_step, so compute both speeds while you still have the old values. Store the new values at the very end.
 
 Hint 3: q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) /
 self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and finally
@@ -44,7 +44,7 @@ class HeldJoint:
         self.q_ref = self.q_prev = joint.position
 
     def aim(self, stick: float) -> None:
-        """Move the reference by the stick, and set the torque that follows it."""
+        """Move the reference according to the stick, and set the torque that makes the joint follow it."""
         lower, upper = self.joint.range
         q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper)
         dq_ref = (q_ref - self.q_ref) / self.time_step
@@ -55,9 +55,9 @@ class HeldJoint:
 
 
 MISTAKES = [
-    Mistake("your reference begins at 0. Begin at the joint's angle, joint.position.",
+    Mistake("your reference starts at 0. Start at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = 0.0, joint.position")),
-    Mistake("self.q_prev begins at 0, so the first speed is wrong. Begin at the joint's angle, joint.position.",
+    Mistake("self.q_prev starts at 0, so the first speed is wrong. Start at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
     Mistake("you move the reference from joint.position. Start from its own previous value, self.q_ref.",
             replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
@@ -68,22 +68,22 @@ MISTAKES = [
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
     Mistake("you use only the sign of the stick. At half stick, the reference moves half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
-    Mistake("you limit the stick to joint.range. Limit the reference, which is an angle.",
+    Mistake("you clamp the stick to joint.range. Clamp the reference, which is an angle.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
     Mistake("you use the stick as the angle. It moves the reference by 0.002 * stick in each call.",
             replace("self.q_ref + 0.002 * stick", "stick")),
-    Mistake("you don't limit the reference at both ends. It stays between joint.range[0] and joint.range[1].",
+    Mistake("you don't clamp the reference at both ends. Keep it between joint.range[0] and joint.range[1].",
             replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
                     "= -self.joint.range[1], self.joint.range[1]")),
-    Mistake("you use the limited reference but store the unlimited one, "
-            "which takes time to come back. Store the limited one.",
+    Mistake("you use the clamped reference but store the unclamped one, "
+            "which takes time to come back. Store the clamped one.",
             both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
                  replace("self.joint = joint", "self.far, self.joint = joint.position, joint"),
                  replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
     Mistake("you swap the two gains. 200 is for the angle, 50 for the speed.",
             replace("200 * (q_ref - q) + 50 *", "50 * (q_ref - q) + 200 *")),
     Mistake("you compute dq_ref from the stick. Compute it from the "
-            "limited reference: (q_ref - self.q_ref) / self.time_step.",
+            "clamped reference: (q_ref - self.q_ref) / self.time_step.",
             replace("(q_ref - self.q_ref) /", "0.002 * stick /")),
     Mistake("you don't divide the speeds by time_step. A speed is a change divided by the time that it took.",
             replace("/ self.time_step", "/ 1.0")),
@@ -97,16 +97,16 @@ MISTAKES = [
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
     Mistake("you compute the torque with the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),
-    Mistake("you add the torque to the last one with +=. Set it with "
-            "=: joint.effort still holds the torque of the last step.",
+    Mistake("you add the torque to the previous one with +=. Set it with "
+            "=: joint.effort still holds the torque of the previous step.",
             both(replace("self.joint.effort =", "self.joint.effort +="),
                  replace("200 * (q_ref - q) + 50 * (dq_ref - dq)", "200 * (q_ref - q) + 50 * (dq_ref - dq)",
                          "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),
-    Mistake("you set no torque while the stick is at rest. The joint has to be held then, too.",
+    Mistake("you set no torque while the stick is at rest. The joint has to be held even then.",
             replace("lower, upper =", "if not stick: return\nlower, upper =")),
 ]  # fmt: skip
-MEANING = ("Compare your steps with these: move and limit q_ref, compute both speeds, and "
-           "set 200 * (q_ref - q) + 50 * (dq_ref - dq), without a limit.")  # fmt: skip
+MEANING = ("Compare your steps with these: move and clamp q_ref, compute both speeds, and set "
+           "joint.effort to 200 * (q_ref - q) + 50 * (dq_ref - dq), unclamped.")  # fmt: skip
 POSITION = "You probably set joint.position to the result. A motor takes a torque: set joint.effort."
 
 NARROW = (-0.1700001, 0.7800001)  # [rad]; slightly more than a whole number of moves from the cases' starting angles
@@ -158,12 +158,12 @@ CASES = [
     Case("full stick at the end of the range", last(UP, begin=0.7),
          "You probably stop the reference too early or too late. "
          "Its limits are joint.range[0] and joint.range[1], in rad."),
-    Case("the stick reversed at that end", last(UP, (-1.0, 0.0, 1), begin=0.7)),
+    Case("the stick reversed at the end of the range", last(UP, (-1.0, 0.0, 1), begin=0.7)),
     Case("full stick down at the lower end of the range, then up", last((-1.0, 0.0, 60), (1.0, 0.0, 1), begin=-0.1)),
     Case("full stick, with steps of 5 ms", last(STILL, (1.0, 0.3, 9), dt=0.005),
          "You probably use a fixed time step. Use time_step."),
     Case("the first call, at full stick", last((1.0, 0.0, 1))),
-    Case("a tenth of the stick", last((0.1, 0.0, 10)),
+    Case("a tenth of full stick", last((0.1, 0.0, 10)),
          "You probably ignore small sticks, or use only the stick's sign. The reference moves by 0.002 * stick."),
     Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
     Case("full stick, a joint with a different range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),

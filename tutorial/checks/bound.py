@@ -3,7 +3,7 @@
 Write the function `four_axes(message)`. It returns the first four axes of a `Joy` message, as a list or an array of
 four numbers from -1 to 1, whatever the message contains:
 
-- An axis outside of -1 to 1 is limited: 1.5 counts as 1, and -3 as -1.
+- An axis outside the range from -1 to 1 is clamped: 1.5 counts as 1, and -3 as -1.
 - An axis that is not finite (NaN or an infinity) counts as 0. So does a missing axis.
 - A bad axis does not affect the others.
 
@@ -13,14 +13,15 @@ never raises an exception, and it leaves the message unchanged.
 Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis? It can be
 missing, not finite, too large or too small.
 
-Hint 2: A slice has at most four axes, and fewer if the message has fewer. Append zeros to it, and take the first four
+Hint 2: The slice axes[:4] has four axes, or fewer if the message has fewer. Append zeros to it, and take the first four
 of the result. Then go through those four. Check isfinite first, because NaN is neither smaller nor larger than any
-number, and limit the rest with max and min.
+number, and clamp the finite ones with max and min.
 
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
 
-Notice that no message can make it fail or slow it down, because it limits every value before using it.
+Notice that no message can make the function fail or slow it down: it reads at most four axes, and checks each of them
+before using it.
 """
 
 import tracemalloc
@@ -39,30 +40,30 @@ from tutorial.checks.exercise import Exercise
 
 
 def four_axes(message: Joy) -> list[float]:
-    """Return the sticks' axes, limited to [-1, 1]; a missing or non-finite axis counts as 0."""
+    """Return the sticks' axes, clamped to [-1, 1]; a missing or non-finite axis counts as 0."""
     axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
 
 
 MISTAKES = [
     Mistake("you leave out a bad axis, so the later ones move up. Keep "
-            "its place: use 0 if it isn't finite, otherwise the limit.",
+            "its place: use 0 if it isn't finite, otherwise the nearest limit.",
             replace("*message.axes[:4],", "*filter(isfinite, message.axes[:4]),",
                     "*filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),")),
     Mistake("you lose the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
             replace("max(axis, -1.0)", "max(axis, 0.0)", "abs(axis)")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: take the first four axes, in their order; "
-           "use 0 for each one that is missing or not finite, and limit the rest.")  # fmt: skip
-ALL = "You probably copy all axes, or go through all of them. Begin with message.axes[:4], which takes only four."
+           "use 0 for each one that is missing or not finite, and clamp the rest.")  # fmt: skip
+ALL = "You probably copy all axes, or go through all of them. Start with message.axes[:4], which takes only four."
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
 LONG = "it takes far longer than for four"
 
-STEPS = 1000  # the limit for lines run plus axes read; four axes take fewer than 100
+STEPS = 1000  # the limit on lines run plus axes read; four axes take fewer than 100
 FOUR = (0.5, -0.625, 0.75, -1.0)
 MILLION = 1_000_000
-BYTES = MILLION // 2  # the limit for an answer's memory, less than one byte per axis
+BYTES = MILLION // 2  # the limit on an answer's memory, less than one byte per axis
 
 
 def given(*axes: float) -> Run:
@@ -82,7 +83,7 @@ def twice(trial: Trial) -> list[float]:
 
 
 class Million(array):  # type: ignore[type-arg]
-    """Axes that count how often they are read, and how many lines run in that time."""
+    """Axes that count how often they are read, and how many lines run meanwhile."""
 
     steps = 0
 
@@ -117,10 +118,10 @@ def million(trial: Trial) -> list[float]:
 
 
 SHORT = "You probably expect four axes, or drop a message with fewer. Keep the axes that it has; missing axes are 0."
-INFINITE = ("You probably limit an infinity to 1 or -1. It counts as "
+INFINITE = ("You probably clamp an infinity to 1 or -1. It counts as "
             "0: check isfinite(axis) first. (isnan finds only NaN.)")  # fmt: skip
-BEYOND = ("You probably don't limit an axis beyond -1 or 1, or you set it to 0, "
-          "or you scale all axes. Limit it: min(max(axis, -1.0), 1.0).")  # fmt: skip
+BEYOND = ("You probably leave an axis outside of -1 to 1 unchanged, set it to 0, "
+          "or scale all axes. Clamp it: min(max(axis, -1.0), 1.0).")  # fmt: skip
 CASES = [
     Case("four axes", given(*FOUR)),
     Case("six axes", given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),
@@ -131,7 +132,7 @@ CASES = [
     Case("no axes", given(), SHORT, crashes=True),
     Case("NaN for the second axis", given(0.5, nan, 0.75, -0.625),
          "You probably leave NaN out, let it change the other axes, "
-         "or limit it. It counts as 0: check isfinite(axis) first.", crashes=True),
+         "or clamp it. It counts as 0: check isfinite(axis) first.", crashes=True),
     Case("infinity for the first axis", given(inf, -0.625, 0.75, 0.5), INFINITE, crashes=True),
     Case("minus infinity for the last axis", given(0.625, 0.5, -0.75, -inf), INFINITE, crashes=True),
     Case("1.5 for the first axis", given(1.5, 0.625, -0.75, 0.5), BEYOND, crashes=True),

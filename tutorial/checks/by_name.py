@@ -1,23 +1,23 @@
 """The exercise `by_name`: match a message's positions to the body's joints by name.
 
-Write the function `match_by_name(joint_names, message)`. It returns a new dict from joint names to positions, with the
-positions that the `JointState` `message` has for the body's joints. `joint_names` contains the joints' names.
+Write the function `match_by_name(joint_names, message)`. It returns a new dict that maps the names of the body's joints
+to the positions that the `JointState` `message` has for them. `joint_names` contains the names of the body's joints.
 
 - The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
 - Leave out names that the body does not have.
-- If there are fewer or more positions than names, use the names that have a position. Without positions, the dict is
-  empty.
+- If there are fewer or more positions than names, use the names that have a position. If there are no positions, the
+  dict is empty.
 - Leave out positions for which `math.isfinite` returns False: NaN and infinities.
 - If a name appears twice, use its last finite position.
 
-It never raises an exception, never invents a number, and does not change the message.
+It never raises an exception, never makes up a position, and does not change the message.
 
 Hint 1: Look at the message's names and positions as pairs, in the message's order. Whether a pair counts does not
 depend on the other pairs.
 
-Hint 2: Go through both together with zip, which stops at the end of the shorter one. Leave out a pair if its name is
-not in joint_names or its position is not finite. Put the remaining pairs into a new dict, in order: if a name appears
-again, its new position replaces the earlier one.
+Hint 2: Go through names and positions with zip, which stops at the end of the shorter list. Leave out a pair if its
+name is not in joint_names or its position is not finite. Put the remaining pairs into a new dict, in order: if a name
+appears again, its new position replaces the earlier one.
 
 Hint 3: One dict comprehension is enough: {name: position for name, position in zip(message.name, message.position)
 if ...}. The condition is name in joint_names and isfinite(position).
@@ -59,7 +59,7 @@ MISTAKES = [
             replace("isfinite(position)", "position == position")),
 ]  # fmt: skip
 MEANING = "You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite."
-A_DICT = "Return a dict from names to positions, empty if no pair counts. dict(pairs) makes a dict from pairs."
+A_DICT = "Return a dict that maps names to positions, empty if no pair counts. dict(pairs) makes a dict from pairs."
 KEPT = "You probably reuse one dict in all calls. Make a new one in every call, not as a default argument."
 
 
@@ -70,7 +70,7 @@ EARLIER = 0.777  # [rad]; the position of every joint in an earlier message, whi
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:
-    """Make a case that observes the result for a message, as text, after an earlier message with all joints.
+    """Make a case that passes an earlier message with all joints, then this one, and observes its result as text.
 
     Args:
         names, positions: the message's content; positions in [rad].
@@ -91,7 +91,7 @@ def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] 
 
 
 def pairs(found: dict[Any, Any]) -> list[str]:
-    """Format a result, with six digits per position."""
+    """Format a result, with six significant digits per position."""
     numbers = {name: f"{q + 0.0:.6g}" if isinstance(q, Real) else repr(q) for name, q in found.items()}
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
@@ -120,15 +120,16 @@ CASES = [
     Case("no positions", heard(BODY, ()), EMPTY, crashes=True),
     Case("NaN for TURRET_P", heard(BODY, (0.1, nan, 0.3)), NOT_A_NUMBER, crashes=True),
     Case("TURRET_Y twice", heard(("TURRET_Y", "TURRET_P", "TURRET_Y"), (0.1, 0.2, 0.3)), TWICE, crashes=True),
-    Case("TURRET_Y twice, falling", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE, crashes=True),
+    Case("TURRET_Y twice, then smaller", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE,
+         crashes=True),
     Case("TURRET_Y at 0, HATCH below 0", heard(BODY, (0.0, 0.2, -0.3)),
          "You probably leave out 0, as `if position` does, or negative numbers. Both are positions.", crashes=True),
     Case("an unknown name in the middle", heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)), UNKNOWN,
          crashes=True),
     Case("NaN for HATCH, the last joint", heard(BODY, (0.1, 0.2, nan)), NOT_A_NUMBER, crashes=True),
-    Case("TURRET_Y twice, first NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)), TWICE,
+    Case("TURRET_Y twice, NaN first", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)), TWICE,
          crashes=True),
-    Case("TURRET_Y twice, then NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
+    Case("TURRET_Y twice, NaN last", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
     Case("an empty message", heard((), ()), EMPTY, crashes=True),
     Case("2 names, 3 positions", heard(BODY[:2], (0.1, 0.2, 0.3)),
          "You probably expect a name for every position. Use zip: it leaves out positions without a name.",

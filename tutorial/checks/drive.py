@@ -1,11 +1,11 @@
-"""The exercise `drive`: turn the left stick into the speeds of the tracks.
+"""The exercise `drive`: convert the left stick's position to track speeds.
 
 Write the controller `GentleTank`. It subscribes to the topic `joy` (type `Joy`), without a leading slash, so the topic
 is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R` of `io.body`, with the left
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive forward.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis separately; outside of this dead zone, use
+- An axis counts as 0 if its absolute value is at most 0.3. Check each axis separately; outside of this dead zone, use
   it unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
@@ -55,7 +55,7 @@ class GentleTank(SimpleController):
         self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message: Joy) -> None:
-        """Keep the newest state of the joystick."""
+        """Store the newest state of the joystick."""
         self.joy.put(message)
 
     def initialize(self, io: ControllerIO) -> None:
@@ -64,7 +64,7 @@ class GentleTank(SimpleController):
         self.track_r = io.body.actuator("TRACK_R")
 
     def control(self) -> None:
-        """Turn the stick into track speeds [m/s]."""
+        """Convert the stick's position to track speeds [m/s]."""
         axes = four_axes(self.joy.get())
         left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2])
         self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x
@@ -79,7 +79,7 @@ MISTAKES = [
     Mistake("control never gets the message, or sets no speed. Read "
             "self.joy.get(), and set self.track_l.ctrl, not self.track_l.",
             replace("self.joy.put(message)", "pass")),
-    Mistake("you move the turret or the barrel, too. Set only the "
+    Mistake("you also move the turret or the barrel. Set only the "
             "tracks. (TankController's control also sets the turret.)",
             both(replace("self.track_l =",
                          'self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0\nself.track_l ='),
@@ -87,7 +87,7 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or you drop its message, so the tank "
+    Mistake("you set no speed while the stick is at rest, or you drop that message, so the tank "
             "keeps its last speed. Set 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
     Mistake("you swap left and right. With the stick to the left, left_x "
@@ -100,10 +100,10 @@ MISTAKES = [
     Mistake("you use TankController's speeds, 2 y - x and 2 y + x. "
             "Here they are half as fast: 1.0 * left_y and 0.5 * left_x.",
             both(replace("1.0 * left_y", "2.0 * left_y"), replace("0.5 * left_x", "1.0 * left_x"))),
-    Mistake("you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.", replace("> 0.3", "> -1")),
+    Mistake("you have no dead zone. An axis counts as 0 if abs(axis) <= 0.3.", replace("> 0.3", "> -1")),
     Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
-    Mistake("you use one dead zone for both axes together. Check each axis separately: abs(axis) > 0.3.",
+    Mistake("you use a single dead zone for both axes. Check each axis separately: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
     Mistake("you subtract the dead zone from the axis, or rescale the "
@@ -111,8 +111,8 @@ MISTAKES = [
             replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
-           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, without a limit, and nothing "
-           "else moves. Each axis separately counts as 0 unless abs(axis) > 0.3.")  # fmt: skip
+           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, unclamped, and nothing else "
+           "moves. Check each axis separately: it counts as 0 if abs(axis) <= 0.3.")  # fmt: skip
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
     *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),
@@ -124,7 +124,7 @@ WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
 def speeds(rig: Rig) -> str:
     """Describe the commanded speeds, and report any other commands."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
-    more = ", and the turret or the barrel moves, too" * any(turret)
+    more = ", and the turret or the barrel also moves" * any(turret)
     more += ", and the displayed copy is commanded" * any(rig.displayed.data.ctrl)
     return f"left {left:+z.2f}, right {right:+z.2f} m/s{more}"
 
@@ -174,7 +174,7 @@ def two(trial: Trial) -> str:
 
 
 def halved(trial: Trial, in_callback: bool) -> str:
-    """Interleave the callback and `control` in every order, and observe whether half of a message is used."""
+    """Interleave the callback and `control` in every order, and observe whether only half of a message is used."""
     rig, seen = played(trial, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
@@ -192,7 +192,7 @@ def halved(trial: Trial, in_callback: bool) -> str:
 
 
 AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Keep every message."
-MISSING = ("You probably expect every axis to be there, or drop a message with too few. "
+MISSING = ("You probably expect every axis to be present, or drop a message with too few. "
            "Missing axes count as 0; four_axes(message) fills them in.")  # fmt: skip
 NEWEST = ("You probably let a message expire, or drop messages that arrive too "
           "close together. Use the newest message until the next one arrives.")  # fmt: skip
@@ -200,7 +200,7 @@ KEPT = "You probably create self.joy in initialize, which forgets the last messa
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
          "You probably use \"/joy\" or a different topic or type, or don't "
-         'subscribe. In configure call create_subscription(Joy, "joy", ...).'),
+         'subscribe. In configure, call create_subscription(Joy, "joy", ...).'),
     Case("a message, before the next step", after("start", DRIVES),
          "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
@@ -223,7 +223,7 @@ CASES = [
     Case("a message before the start", after(DRIVES, "start", 1), KEPT),
     Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
     Case("two tanks", two,
-         "You probably keep the message on the class, so all tanks share it. Create self.joy in configure."),
+         "You probably store the message on the class, so all tanks share it. Create self.joy in configure."),
     Case("control runs between the callback's instructions", lambda trial: halved(trial, True),
          "Your callback probably stores a message in several parts, "
          "and control runs in between. Put it into self.joy as a whole."),

@@ -21,10 +21,10 @@ from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 
 NOT_YET = "Not attempted yet"
-"""The beginning of the message about an answer without any code."""
+"""The beginning of the message about an answer that has no code yet."""
 
 _PARTS = re.compile(r"\n\n(?:Hint \d: |(?=Notice ))")
-SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint shows, the weakest first
+SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint shows, the weakest hint first
 
 
 class Exercise:
@@ -58,7 +58,8 @@ class Exercise:
     async def check(self, answer: Any = None) -> None:
         """Run an answer in a separate process, and print what is right and what is wrong.
 
-        This takes a few seconds. Meanwhile the event loop keeps running: views move, and an interrupt ends the check.
+        This takes a few seconds. Meanwhile the event loop keeps running: views keep moving, and an interrupt stops the
+        check.
 
         Args:
             answer: the class or function itself; None if it does not exist yet.
@@ -90,7 +91,7 @@ class Exercise:
         except Failure as failure:
             yield finding_of(failure, answer)
         except TutorialError as error:
-            yield wrong(str(error), "The check ended there.")
+            yield wrong(str(error), "The check stopped there.")
         except Exception as error:  # noqa: BLE001 - an odd answer may cause any exception; the learner has to see it
             text = f"the check cannot continue: {type(error).__name__}: {error}"
             yield wrong(text, f"Something unusual happened. Compare your answer with {self.name}.solution().")
@@ -106,14 +107,14 @@ class Exercise:
         """Print a hint.
 
         Args:
-            number: the hint's number, from 1. Later hints say more.
+            number: the hint's number, from 1. Later hints reveal more.
         """
         count = len(self._hints)
         if number not in range(1, count + 1):
             _say(f"There are {count} hints: {self.name}.hint() to {self.name}.hint({count}).")
             return
-        more = f"{self.name}.hint({number + 1}) says more."
-        last = f"Then there is {self.name}.solution()."
+        more = f"{self.name}.hint({number + 1}) reveals more."
+        last = f"Still stuck? {self.name}.solution() prints a solution."
         _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more if number < count else last}")
 
     def solution(self) -> None:

@@ -1,14 +1,14 @@
 """The exercise `fire`: report whether the joystick's first button is pressed.
 
-Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 of this message is
+Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 in this message is
 pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
 
 - In `message.buttons`, 1 is a pressed button and 0 a released one.
 - A button that the message lacks counts as not pressed.
-- `FireButton` doesn't need `self.joy`, but your callback may put the message there, too.
+- `FireButton` doesn't need `self.joy`, but your callback may also put the message there.
 
-Hint 1: Think of messages without a pressed button: it is released, or the message has no buttons. What does self.fire
-have to hold after such messages?
+Hint 1: Think of messages without a pressed button: button 0 is released, or the message has no buttons. What does
+self.fire have to hold after such messages?
 
 Hint 2: message.buttons is a list, and it can be empty. Check its length before you read its first entry. Then put the
 result, whether it is True or False.
@@ -45,7 +45,7 @@ class Listener(SimpleController):
         self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message: Joy) -> None:
-        """Keep the newest state of the joystick."""
+        """Store the newest state of the joystick."""
         self.joy.put(message)
 
     def unconfigure(self) -> None:
@@ -60,7 +60,7 @@ class FireButton(Listener):
         self.fire = Latest(False)
 
     def on_joy(self, message: Joy) -> None:
-        """Keep the newest state of the button."""
+        """Store the newest state of the button."""
         pressed = len(message.buttons) > 0 and message.buttons[0] == 1
         self.fire.put(pressed)
 
@@ -76,7 +76,7 @@ MISTAKES = [
     Mistake("you don't put False after the release, or you ignore messages in quick succession. Put every state.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
     Mistake("you toggle the value each time the button goes down, "
-            "like a switch. Put whether the button is pressed now.",
+            "like a switch. Put True while the button is pressed.",
             both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
@@ -98,7 +98,10 @@ NO_CLOCK = (
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
-    """Return the value of `fire` after messages with these buttons. With button 1 alone, a stick is at its end, too."""
+    """Return the value of `fire` after messages with these buttons.
+
+    In a message where only button 1 is pressed, a stick is also fully deflected.
+    """
     tank = rig.learner
     before = getattr(tank, "fire", None)
     for buttons in states:
@@ -144,7 +147,7 @@ CASES = [
          "You probably put True only when the button goes down. Put True while it is pressed."),
     Case("button 0 is released", after((1, 0), (0, 0)), "True stays: you probably don't put False after the "
          "release, or you ignore messages in quick succession."),
-    Case("button 0 is pressed, after a message in which it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 0 is pressed, after a message where it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),

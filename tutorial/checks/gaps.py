@@ -1,7 +1,7 @@
 """The exercise `gaps`: find in a bag where a stream was interrupted.
 
-Write the function `find_gaps(messages)`. It takes a bag's messages of one topic, a list of pairs `(time_ns, message)`
-in the order of receipt; each `message` is a `JointState`. It returns a list of events, in the same order:
+Write the function `find_gaps(messages)`. It takes a bag's messages on one topic, a list of pairs `(time_ns, message)`
+in order of receipt; each `message` is a `JointState`. It returns a list of events, in the same order:
 
 - `("gap", before, after)` if a stamp is more than 0.1 s after the newest one so far;
 - `("restart", before, after)` if a stamp is more than 1 s before the newest one so far. The publisher has restarted,
@@ -17,10 +17,10 @@ so far. And the bag's own times don't show when a message was made.
 Hint 2: Keep the newest stamp in a variable, None before the first message. Time.from_msg of rclpy.time turns a stamp
 into whole nanoseconds. Then there are three cases: far ahead, far back, and everything else.
 
-Hint 3: In the loop: without a newest stamp yet, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
+Hint 3: In the loop: if newest is None, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
 newest - stamp > 1_000_000_000, append a restart; after either, newest = stamp. Otherwise newest = max(newest, stamp).
 
-Notice that you did not need the bag's own times: a slow computer is not a gap.
+Notice that you did not need the bag's own times, so a slow computer causes no false gaps.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -60,7 +60,7 @@ MISTAKES = [
     Mistake("you compare each stamp with the one before it, which "
             "may have been late: compare it with the newest so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
-    Mistake("you report every jump back in time as a restart: up to 1 s before the newest, a message is only late.",
+    Mistake("you report every jump backwards as a restart: up to 1 s before the newest stamp, a message is only late.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
     Mistake("you compute seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",
@@ -100,7 +100,7 @@ WORDS = 'The only words are "gap" and "restart". A late message is not reported.
 HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
 
-Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]; whole numbers are text, to keep every digit
+Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]; integers are text, to preserve every digit
 
 
 def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tuple[int, JointState]]:
@@ -139,7 +139,7 @@ def two(trial: Trial) -> Found:
 
 
 def read(returned: Sequence[tuple[Any, ...]]) -> Found:
-    """Convert a result to a form that can be compared.
+    """Convert a result to a comparable form.
 
     Raises:
         Misuse: the result contains something other than gaps and restarts.
@@ -164,7 +164,7 @@ FRACTION = "You probably compute seconds as floats, which are rounded: use whole
 RESTART_FROM_0 = ("You probably use a different limit for a restart: the stamp is "
                   "more than 1_000_000_000 ns before the newest one.")  # fmt: skip
 NEWEST = ("You probably compare each stamp with the one before it, or report "
-          "any step back as a restart: compare it with the newest so far.")  # fmt: skip
+          "any jump backwards as a restart: compare it with the newest so far.")  # fmt: skip
 EXACTLY = ("You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 "
            "s ahead, or exactly 1 s back, is not an event: compare whole nanoseconds with >.")  # fmt: skip
 CASES = [

@@ -6,9 +6,9 @@ leading slash, so it is in the node's namespace.
 
 - Request a picture every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
   round the number of steps or keep the rate on average. Publish every picture that you get, even if it repeats the
-  last: a repeated message is still a message.
-- A pixel is one byte, the average of its red, green and blue, rounded or truncated. This encoding is called `mono8`.
-  The field `step` is the number of bytes in a row.
+  previous one: a repeated message is still a message.
+- Each pixel is one byte: the average of its red, green and blue values, rounded or truncated. This encoding is called
+  `mono8`. The field `step` is the number of bytes in a row.
 - The stamp is the simulated time of the request. A picture can arrive after the next request, or not at all. The frame
   is the camera's optical frame; for the body `Tank` it is `Tank/CAMERA_optical`.
 - It works with pictures of any size, on any body that has such a camera, and with any time step.
@@ -101,7 +101,7 @@ MISTAKES = [
             replace("pixels.mean(axis=2)", "pixels[:, :, 0]", "pixels[:, :, 1]", "pixels[:, :, 2]",
                     "pixels.sum(axis=2)", "(pixels.sum(axis=2, dtype=np.uint8) / 3)", "(pixels//3).sum(axis=2)",
                     "pixels.max(axis=2)", "pixels.min(axis=2)", "(pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)")),
-    Mistake("you weight the colours, as the eye does. This exercise wants the plain mean, pixels.mean(axis=2).",
+    Mistake("you weight the colours, as the eye does. This exercise asks for the plain mean, pixels.mean(axis=2).",
             replace("pixels.mean(axis=2)", "(pixels @ [0.299, 0.587, 0.114])",
                     "np.rint(pixels @ [0.299, 0.587, 0.114])")),
     Mistake("you divide by 255. In mono8, white is 255, as in the pixels.",
@@ -120,7 +120,7 @@ SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
 
 @cache
 def picture(number: int, width: int, height: int) -> Pixels:
-    """Make a picture whose pixels all differ, and whose means are a third above a whole number."""
+    """Make a picture whose pixels all differ; each pixel's mean is a third above a whole number."""
     random = np.random.default_rng(number)
     grays = random.permutation(width * height) * 3 + 60
     tints = random.permuted([[40, -10, -29]] * len(grays), axis=1)
@@ -129,9 +129,9 @@ def picture(number: int, width: int, height: int) -> Pixels:
 
 
 class Camera:
-    """Replace a `tutorial.view.camera.Camera`.
+    """A stand-in for `tutorial.view.camera.Camera`.
 
-    Attributes that a real camera lacks begin with an underscore, so no message suggests them to a learner.
+    Attributes that a real camera lacks begin with an underscore, so no error message suggests them to a learner.
 
     Args:
         rig: the camera's rig.
@@ -204,7 +204,7 @@ def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
 
 
 def word(data: list[int]) -> str:
-    """Describe bytes by their number and the first six."""
+    """Describe bytes: how many there are, and the first six."""
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 

@@ -9,10 +9,10 @@ node's namespace.
   message at any step within 1/10 s after the start; at the very first step it averages a single value.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
 - The angular velocity is the average of the sensor `GYRO`'s values since the last message: one value per step,
-  including the step that publishes the message.
+  including the step in which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
-- The stamp is the simulated time at which the message is published.
+- The stamp is the simulated time of publication.
 - The frame is the sensor's, `Tank/GYRO`: it includes the body's name. On the tank you may also use the chassis,
   `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
 - It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
@@ -22,7 +22,7 @@ node's namespace.
 Hint 1: Look at how often each thing happens. You measure in every step, but with steps of 1 ms you publish only in
 every hundredth. Keep the measurements until you publish.
 
-Hint 2: In initialize look up the sensor, and start with an empty list. In control append the sensor's value, in every
+Hint 2: In initialize, look up the sensor, and start with an empty list. In control, append the sensor's value in every
 step. When a message is due, publish the average of the list, and empty it. Mark the unmeasured fields.
 
 Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
@@ -60,7 +60,7 @@ class GyroPublisher(SimpleController):
         self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/gyro", 1)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Look up the sensor, and start without measurements."""
+        """Look up the sensor, and start with no measurements."""
         self.io = io
         self.sensor = io.body.sensor("GYRO")
         self.samples: list[NDArray[np.float64]] = []
@@ -94,7 +94,7 @@ MISTAKES = [
             replace("np.mean(self.samples, axis=0)", "np.sum(self.samples, axis=0)",
                     "(np.sum(self.samples, axis=0) * self.io.time_step)",
                     "(np.sum(self.samples, axis=0) / self.steps_per_message)")),
-    Mistake("you send the value of one step alone. Keep the value of every step, and send their average.",
+    Mistake("you send the value of only one step. Keep the values of all steps, and send their average.",
             replace("np.mean(self.samples, axis=0)", "self.samples[-1]")),
     Mistake("you average over all numbers at once, or over x, y and z. Average each component separately, with axis=0.",
             replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
@@ -166,7 +166,7 @@ def word(velocity: Iterable[float]) -> str:
 
 
 def marks(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe which fields the last message marks as not measured."""
+    """Observe which fields the last message marks as unmeasured."""
     fields = ("orientation", "angular_velocity", "linear_acceleration")
     marked = [field for field in fields if getattr(sent[-1].message, f"{field}_covariance")[0] == -1]
     return f"-1 marks {' and '.join(marked) or 'nothing'}"
@@ -194,6 +194,6 @@ CASES = [
          "You probably publish nothing while the robot doesn't turn. Publish every "
          "message: receivers can't tell rest from a lost connection."),
     Case("on a robot with only a gyroscope", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
-         "You probably use the accelerometer, too, which this robot lacks. Send only the gyroscope's measurements."),
+         "You probably also use the accelerometer, which this robot lacks. Send only the gyroscope's measurements."),
 ]  # fmt: skip
 gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, CASES, MISTAKES, MEANING))

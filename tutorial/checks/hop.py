@@ -1,4 +1,4 @@
-"""The exercise `hop`: a timer on the main thread, and state that ends with the controller.
+"""The exercise `hop`: a timer on the main thread, and state that lives as long as the controller.
 
 Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, which for the body `Tank` is `Tank/imu`
 (type `Imu`). The node has no namespace, so the topic can also begin with a slash. When a message reports a blow, the
@@ -17,13 +17,14 @@ Hint 1: Look at what you have to remember between calls: where the body stood, a
 you whether the body is up.
 
 Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. On
-a blow, land first; then store the position, move the body up, and start a new timer. Land in unconfigure, too.
+a blow, land first; then store the position, move the body up, and start a new timer. Also land in unconfigure.
 
 Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
 notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
 back self.place itself: if you add and subtract, the result is not exactly the same.
 
-Notice that the timer, the next blow and unconfigure all use the same method to land: the first of them ends the hop.
+Notice that the timer, the next blow and unconfigure all use the same method to land: whichever comes first ends the
+hop.
 """
 
 import asyncio
@@ -129,7 +130,7 @@ class Hall(Viewer):
             after = self.loop.time() - began
             if self.body.position[2] - self.place[2] < HEIGHT / 2:
                 after = next((due for due in (0.125, 0.5) if -0.02 < after - due < 0.03), after)
-                return f"down after {after:.3g} s{f', of {timers} timers' * (timers > 1)}"
+                return f"down after {after:.3g} s{f', with {timers} timers' * (timers > 1)}"
             rings = [timer.when() - self.loop.time() for timer in self.loop.timers]
             if not rings and after > 1.0:
                 break
@@ -148,7 +149,7 @@ blow, other_blow, harmless = heard(imu(*BLOW)), heard(imu(*OTHER_BLOW)), heard(i
 
 
 def land(hall: Hall) -> None:
-    """Let the body come down."""
+    """Wait until the body has come down."""
     hall.falls()
 
 
@@ -190,7 +191,7 @@ def in_a_crowd(hall: Hall) -> str:
         hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
-    lost = f"{len(kept)} of 5 messages arrived, calls waiting: {calls}{' under a key' * bool(hall.keys)}"
+    lost = f"{len(kept)} of 5 messages arrived, calls waiting: {calls}{', under a key' * bool(hall.keys)}"
     return "" if hall.where() == UP else lost
 
 
@@ -207,34 +208,34 @@ CASES = [
          "self.body.position when the blow arrives, then set self.body.position to the stored x, y and z + 0.1."),
     Case("the hop ends", hopped(blow, Hall.falls),
          "You probably use a different timer or duration, or the function that it calls does not put "
-         "the body back. In update write asyncio.get_running_loop().call_later(0.5, self.land)."),
+         "the body back. In update, write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "You probably compute or hard-code the place to land. Set the position that you stored on the blow."),
+         "You probably compute or hard-code the place to land. Restore the position that you stored at the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
-    Case("a second blow, after it has landed and been moved elsewhere", hopped(blow, land, move_it, other_blow, *THEN),
-         "You probably keep something from the previous hop. On landing "
-         "set self.timer = None, and store the position on each blow."),
-    Case("a second blow while it is up", hopped(blow, wait, other_blow, *THEN),
-         "You probably ignore it, lift the body again, store its position while it is up, or keep the first timer. "
-         "Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),
+    Case("a second blow, after the body has landed and been moved", hopped(blow, land, move_it, other_blow, *THEN),
+         "You probably keep something from the previous hop. On landing, "
+         "set self.timer = None, and store the position at each blow."),
+    Case("a second blow while the body is up", hopped(blow, wait, other_blow, *THEN),
+         "You probably ignore the blow, lift the body again, store its position while it is up, or keep the first "
+         "timer. Cancel the first timer and start a new one of 0.5 s; keep the position and the height."),
     Case("the same blow again", hopped(blow, land, blow, Hall.where),
          "You probably skip a message that is identical to the previous one. A second blow can be identical to the "
          "first: post every message."),
-    Case("a harmless message while it is up", hopped(blow, wait, harmless, *THEN),
+    Case("a harmless message while the body is up", hopped(blow, wait, harmless, *THEN),
          "You probably react to a harmless message while the body is up. "
          "First test for a blow: only a blow may touch the timer."),
     Case("a blow and four harmless messages while both threads are busy", hopped(in_a_crowd, Hall.where, Hall.falls),
          "You probably lose messages. Subscribe with a queue depth of 10, "
          "post each message with call_later, and pass it along."),
     Case("the tank and the crane Lift", hopped(side_by_side(blow, Hall.where, land, Hall.where))),
-    Case("after unconfigure while it is up", hopped(blow, wait, Hall.leaves, Hall.left),
+    Case("after unconfigure while the body is up", hopped(blow, wait, Hall.leaves, Hall.left),
          "You probably don't land in unconfigure. Cancel the "
          "timer, put the body back and notify."),
     Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
          "You probably put the body back in unconfigure without calling "
          "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
-    Case("after unconfigure, landed and moved elsewhere", hopped(blow, land, move_it, Hall.leaves), STAYS),
+    Case("after unconfigure, when the body has landed and been moved", hopped(blow, land, move_it, Hall.leaves), STAYS),
     Case("a call waiting when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
 ]  # fmt: skip
 ARRIVALS = harmless, hands_over(imu(*BLOW))

@@ -13,8 +13,8 @@ will see only the newest. What has to happen to a waiting call when the next mes
 Hint 2: ControllerConfig has two ways to post. With one of them, a new call replaces a waiting one if you post both
 under the same key. The key says what the call is about. Everything else stays as in MyViewer.
 
-Hint 3: In configure keep config.call_latest instead of config.call_later. Its first argument is a key, which has to be
-the same for every message, for example the body's name. The function and the message follow, as before.
+Hint 3: In configure, store config.call_latest instead of config.call_later. Its first argument is a key, which has to
+be the same for every message, for example the body's name. The function and the message follow, as before.
 
 Notice what you lose: a replaced call never runs, so every message has to name all joints.
 """
@@ -35,7 +35,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 BURST = 50
-MOST = 10_000  # the limit for instructions of a method; the other thread interrupts at each of them
+MOST = 10_000  # the limit on instructions of a method; the other thread interrupts at each of them
 BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 
 
@@ -99,7 +99,7 @@ def drawn(viewer: Viewer, places: Sequence[str]) -> str:
     viewer.drain()
     where = viewer.where()
     message = f"message {places.index(where) + 1} of {BURST}" if where in places else where
-    return f"{len(viewer.shown)} draws, the last one is {message}" if len(viewer.shown) > 1 else f"it draws {message}"
+    return f"{len(viewer.shown)} draws, the last one of {message}" if len(viewer.shown) > 1 else f"it draws {message}"
 
 
 def in_any_order(viewer: Viewer) -> str:
@@ -114,7 +114,7 @@ def in_any_order(viewer: Viewer) -> str:
             more = interleave(viewer.trial, turns[0], turns[1], at)
             viewer.drain()
             if {where for where, _ in viewer.shown} - {BOTH.format(q, q) for q in (0.3, 0.4)}:
-                return "a mix of both is shown"
+                return "a mix of both messages is shown"
             if not more:
                 break
             if viewer.where() != BOTH.format(0.4, 0.4):

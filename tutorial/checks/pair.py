@@ -8,9 +8,9 @@ the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it 
   their stamps.
 - When a pair is complete, drop all messages that arrived before its first message: their partners would be too late.
   Messages that arrived after that one can still find their partners.
-- At most 50 messages wait. Count each topic separately or both together, as you like. If there are more, drop the one
-  that *arrived* first.
-- After a restart of the publisher, the stamps begin at 0 again. Match these messages immediately, too.
+- At most 50 messages wait. Count them per topic or in total, as you like. If there are more, drop the one that
+  *arrived* first.
+- After a restart of the publisher, the stamps start at 0 again. Match these messages immediately, too.
 
 Hint 1: When a message arrives, you have to find the other topic's message with the same stamp. What do you have to
 keep, under which key, to find it directly?
@@ -79,7 +79,7 @@ MISTAKES = [
 MEANING = ("Compare your steps with these: a message waits until the other "
            "topic's message with the same stamp arrives, whichever is first. "
            "Then remove both, and return them as joints, pose.")  # fmt: skip
-NO_PAIR = "Return the two messages themselves, joints, pose, or None while one of them is missing."
+NO_PAIR = "Return the two messages themselves, as joints, pose, or None while one of them is missing."
 AT_ONCE = "Return a pair when its second message arrives, and only once."
 
 JOINTS, POSE = "joints", "pose"
@@ -153,12 +153,12 @@ NANOSECONDS = ("You probably round the stamps, as floats do, or treat "
                "nearly equal ones as equal: every nanosecond counts.")  # fmt: skip
 PAST = ("You probably drop too few or too many messages: when a pair is complete, "
         "drop the messages on both topics that arrived before its first message.")  # fmt: skip
-NEW_START = "You probably test which stamp is larger. After a restart they begin at 0: use the order of arrival."
+NEW_START = "You probably test which stamp is larger. After a restart they start at 0 again: use the order of arrival."
 FIFTY = ("You probably keep fewer or more than 50 waiting messages, or drop "
          "the wrong one: drop the one that arrived first.")  # fmt: skip
 CASES = [
     Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),
-         "You probably keep messages on the class, or in the default of an argument: keep them on self."),
+         "You probably store messages on the class, or in the default of an argument: store them on self."),
     Case("in turn", tried(*in_turn(20, 40, 60))),
     Case("the pose first", tried(*poses(20), *joints(20), *poses(40), *joints(40)),
          "You probably expect the joint states first: either message can "
@@ -191,8 +191,8 @@ CASES = [
          FIFTY),
     Case("51 joint states, then the pose of the first", tried(*joints(*range(0, 1020, 20)), *poses(0)), FIFTY),
     Case("51 poses, then the joints of the first", tried(*poses(*range(0, 1020, 20)), *joints(0)), FIFTY),
-    Case("200 without a partner, then the pose of the first", tried(*joints(*range(0, 4000, 20)), *poses(0)), FIFTY),
-    Case("200 without a partner, then a restart", tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)), NEW_START),
+    Case("200 joint states, then the pose of the first", tried(*joints(*range(0, 4000, 20)), *poses(0)), FIFTY),
+    Case("200 joint states, then a restart", tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)), NEW_START),
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""The learner's progress: a small file beside the notebook lists the solved exercises, for a cell or the terminal.
+"""The learner's progress: a small file beside the notebook lists the solved exercises.
 
 There is no account, and nothing leaves the folder. Delete the file to start over.
 """
@@ -121,7 +121,7 @@ def _in_notebook() -> bool:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the dates in a file; nothing if it doesn't exist.
+    """Return the dates in a file; an empty dict if it doesn't exist.
 
     Raises:
         OSError, RecursionError, msgspec.MsgspecError: the file cannot be read, or has a different format.
@@ -129,12 +129,12 @@ def _read(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     if not path.is_file() or path.stat().st_size > LARGEST:  # reading a pipe or device could block or never end
-        raise OSError("it is not a file of at most 1 MB")
+        raise OSError("it is not a regular file, or it is larger than 1 MB")
     return msgspec.json.decode(path.read_bytes(), type=_File).solved
 
 
 def _write(path: Path, solved: dict[str, Any]) -> None:
-    """Replace the file in one step, in case another notebook writes it or the machine stops."""
+    """Replace the file atomically, in case another notebook writes it or the machine crashes."""
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=FILE, delete=False) as file:
         file.write(msgspec.json.format(msgspec.json.encode(_File(solved))) + b"\n")
     try:

@@ -8,7 +8,7 @@ that is `Tank/turret`, without a leading slash, so the topic is in the node's na
   message within 1/25 s after the start.
 - It publishes each message even if nothing has changed.
 - Each message names all joints of the body, `io.body.joints`, in this order, with position, velocity and effort.
-- The stamp is the simulated time of publishing.
+- The stamp is the simulated time of publication.
 - It works on any body, and with any time step up to 10 ms.
 - The simulation can be stopped and started again. Then `initialize` is called again, and `io.step` and `io.time_ns`
   continue: they don't start at 0 again.
@@ -17,9 +17,9 @@ that is `Tank/turret`, without a leading slash, so the topic is in the node's na
 Hint 1: Where does each value come from? The topic from config.body.name, the joints from io.body.joints, the rate from
 io.step and io.time_step, the stamp from io.time_ns. You need no wall clock, and no hard-coded joint names.
 
-Hint 2: Create the publisher in configure. In initialize keep io, and compute the number of steps from one message to
+Hint 2: Create the publisher in configure. In initialize, store io, and compute the number of steps from one message to
 the next. In control, when a message is due, create one, fill a list for each field from the same joints, stamp it and
-publish it. In unconfigure have the node destroy the publisher.
+publish it. In unconfigure, have the node destroy the publisher.
 
 Hint 3: self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step % self.steps_per_message == 0;
 message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for joint in
@@ -54,7 +54,7 @@ class SlowPublisher(SimpleController):
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Keep the joints of the simulated body."""
+        """Store the joints of the simulated body."""
         self.io = io
         self.joints = io.body.joints
         self.steps_per_message = round(1 / (25 * io.time_step))

@@ -8,8 +8,8 @@ Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
   waits for an entry. `None` ends the thread.
 - `unconfigure` ends everything that `configure` has started. Afterwards, every received message is in the bag, and
   nothing writes into it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
-- You may extend `configure`, too. Then call `super().configure(config)` in it. This starts the thread, so first set
-  everything that `write` needs.
+- You may also extend `configure`. If you do, call `super().configure(config)` in it. This call starts the thread, so
+  set everything that `write` needs before it.
 
 Hint 1: Go through unconfigure line by line. After each line: can a message still arrive, does one still wait in the
 queue, can the thread still write?
@@ -43,7 +43,7 @@ from tutorial.controller import SimpleController
 
 
 class QueueRecorder(SimpleController):
-    """Replace the notebook's class of this name. `Surroundings` does the work of its `configure`."""
+    """Stand in for the notebook's class of the same name. `Surroundings` does the work of its `configure`."""
 
 
 class MyRecorder(QueueRecorder):
@@ -73,7 +73,7 @@ MISTAKES = [
             "not empty()` or get(timeout=...): wait for more with get().",
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
-    Mistake("something other than None ends the thread, such as a flag, while entries wait. Let only None end it.",
+    Mistake("something other than None, such as a flag, ends the thread while entries wait. Let only None end it.",
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
@@ -84,24 +84,25 @@ MISTAKES = [
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
            "Only the thread takes entries and writes, and only None ends it.")  # fmt: skip
 NEVER = "You probably put None after join, or not at all: put it before join, so the thread ends."
-PAST_NONE = "You probably continue after None: leave the loop when you take it."
+PAST_NONE = "You probably continue after None: exit the loop when you get it."
 STOLEN = "You probably take None out of the queue outside of the thread: call get only in write, on the thread."
 BUSY = "A busy loop wastes CPU time: self.received.get() waits for an entry, and self.writer.join() for the thread."
 THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
 NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
 TOO_EARLY = "super().configure(config) starts the thread: set everything that write needs before that line."
-OFTEN = 100  # the limit for consecutive calls of empty()
+OFTEN = 100  # the limit on consecutive calls to empty()
 
 
 class Surroundings:
-    """A recorder's queue, node, thread and bag. The disk takes a second for the first message.
+    """A recorder's queue, node, thread and bag. The disk takes a second to write the first message.
 
     So the thread pauses during that write, or when the queue is empty, until something waits for the thread to end.
 
     Args:
         trial: the trial of the learner's recorder.
         waiting: the entries in the queue.
-        coming: entries that arrive one by one while the queue is empty, or together when the recorder stops listening.
+        coming: entries that arrive one by one while the queue is empty; the rest arrive when the recorder stops
+            listening.
     """
 
     def __init__(self, trial: Trial, waiting: Sequence[Any], coming: Sequence[Any]) -> None:
@@ -270,7 +271,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 CASES = [
     Case("messages arrive one by one", tried(coming=[A, B, None]),
-         "You probably go on after None, or change an entry: take one, leave the loop if it is None, "
+         "You probably continue after None, or change an entry: take one, exit the loop if it is None, "
          "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
     Case("three messages wait in the queue", tried(A, B, C)),
     Case("identical messages wait in the queue", tried(A, B, B, (9, b"A")),

@@ -14,9 +14,9 @@ namespace, so the topic can also begin with a slash.
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
 thread: code that moves the body must run there.
 
-Hint 2: In configure keep config.body, config.node and config.call_later. Subscribe last, to a topic made from the
-body's name: the callback can run immediately. The callback has one line, which posts a method together with the
-message. That method matches, sets the positions, computes the kinematics and notifies, in this order.
+Hint 2: In configure, store config.body, config.node and config.call_later. Subscribe last, to a topic made from the
+body's name: the callback can run immediately. The callback has one line, which posts a method, with the message as its
+argument. That method matches, sets the positions, computes the kinematics and notifies, in this order.
 
 Hint 3: The callback is self.call_later(self.update, message), without parentheses after update. In update: positions,
 report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and
@@ -82,7 +82,7 @@ def states(*messages: tuple[str, Sequence[float]]) -> Step:
 
 
 def wait_together(viewer: Viewer) -> str:
-    """Observe the joints after five messages whose calls wait together."""
+    """Observe the joints after five messages whose calls wait at the same time."""
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()
@@ -143,7 +143,7 @@ FIRST = [
          "You probably drop a message because of its stamp. After the publisher "
          "restarts, its stamps are smaller than before, and two messages can have the same stamp."),
     Case("the same message again", steps(repeated), "You probably leave out a message that repeats the positions of "
-         "the previous one. Show every message, and notify after it."),
+         "the previous one. Show every message, and notify after each one."),
     Case("a message that arrives while the body is being drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
          "You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message."),
@@ -159,7 +159,7 @@ SWAPPED = joint_state("P Y", (0.2, 0.1))
 ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
     *FIRST,
-    Case("five messages whose calls wait together", steps(wait_together),
+    Case("five messages whose calls wait at the same time", steps(wait_together),
          "You probably lose messages, or change their order. Post one call "
          "for each message, with call_later, and pass the message along."),
     *LAST,

@@ -3,13 +3,13 @@
 Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body (for the
 tank `Tank/joint_state`), but only changes:
 
-- 50 times per simulated second, it finds the joints that are more than 0.001 rad (or m) away from the position that it
-  last sent for them. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
+- 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those
+  that it last sent. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
   multiples of 1/50 s.
 - The message names these joints, with their positions. If there are none, it sends nothing.
 - The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
   `initialize` is called again, and `io.step` and `io.time_ns` continue: they don't start at 0 again.
-- The stamp is the simulated time of sending. Velocity and effort stay empty.
+- The stamp is the simulated time of publication. Velocity and effort stay empty.
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
 Hint 1: What do you compare each position with? With the one that you last sent for this joint, perhaps long ago; not
@@ -72,7 +72,7 @@ class ThriftyPublisher(SimpleController):
 
 MISTAKES = [
     Mistake("your first message lacks joints. Nothing was sent before it: "
-            "begin with an empty self.sent, so that all joints are new.",
+            "start with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
     Mistake("you send all joints in every message. Name those that have moved, and store what you have sent for them.",
@@ -123,7 +123,7 @@ SLEW: Move = (0.0, 0.05, 0.0)
 
 
 def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
-    """Make a rig whose joints jump once per period, from the second one on; without moves, they turn in every step."""
+    """Make a rig whose joints jump once per period, from the second period on; if `moves` is empty, in every step."""
 
     def move() -> None:
         look, rest = divmod(rig.io.step, round(LOOK / rig.io.time_step))

@@ -18,7 +18,7 @@ their contents.
 Hint 3: if message is not self.message, set self.message, self.since = message, seconds. Then return whether seconds -
 self.since is at most 0.5.
 
-Notice that a robot whose joystick breaks, or whose network fails, now stops by itself.
+Notice that a robot whose joystick breaks, or whose network fails, now stops automatically.
 """
 
 from itertools import cycle
@@ -55,16 +55,16 @@ MISTAKES = [
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
     Mistake("you subtract the message's stamp, which can be empty. "
-            "Keep the seconds of the call in which the message is new.",
+            "Store the seconds of the call in which the message is new.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
     Mistake("you compare the messages' contents. A stick held still sends "
             "identical messages: compare the objects, with `is not`.",
             replace("message is not self.message", "message != self.message",
                     'message.axes != getattr(self.message, "axes", None)')),
-    Mistake("you keep the time of the first message only. Set self.since for every new message.",
+    Mistake("you store only the time of the first message. Set self.since for every new message.",
             replace("if message is not self.message:", "if self.message is None:")),
-    Mistake("after one message is too old, you reject all later ones, too. Each new message is fresh again.",
+    Mistake("once a message is too old, you also reject all later ones. Each new message is fresh again.",
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
@@ -113,16 +113,16 @@ CASES = [
          "Set self.since when the message is new, and only then. The first message is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
          "You probably don't set self.since in the first call. "
-         "Keep the seconds of the call in which the message is new."),
+         "Store the seconds of the call in which the message is new."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a held stick, an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
          "You probably compare the messages' contents, or look for the message "
-         "among all earlier ones. Compare with the last message, using `is not`."),
+         "among all earlier ones. Compare with the previous message, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
     Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
-         "You probably keep id(message), and a later message can get "
-         "the same id. Keep the message itself, and use `is not`."),
+         "You probably store id(message), and a later message can get "
+         "the same id. Store the message itself, and use `is not`."),
     Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],
          "You probably count calls. A step can have any length: subtract seconds, seconds - self.since."),
     Case("two robots in turn, message A at 0 s, B at 0.25 s, A and B at 0.75 s",

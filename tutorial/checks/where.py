@@ -13,7 +13,7 @@ Hint 1: Which frame is the point in? Only the last transform knows that frame. W
 and which frame is it in then?
 
 Hint 2: Go through the transforms from the last to the first. Each one turns the point by its rotation, with turned,
-and then adds its translation. The previous transform takes the result.
+and then adds its translation. Pass the result to the transform before it in the list.
 
 Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
 turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). After the loop, return the point.
@@ -73,7 +73,7 @@ MISTAKES = [
                          "turned(stamped.transform.rotation, np.array(point) -"),
                  replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
     Mistake("you divide by the length of the axis, or by a sine. Both "
-            "are 0 without a rotation: use turned(q, point).",
+            "are 0 if there is no rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
     Mistake("you round the numbers. Three digits lose up to half a millimetre: return the numbers unrounded.",

@@ -21,15 +21,15 @@ from tutorial.system.printing import print_text
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import NodeThread
 
-BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when the reader of a pipe is gone
+BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when a pipe's reader has exited
 
 
 def query(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
-    """Turn a coroutine function, which queries a node and prints the answer, into a command's function.
+    """Turn a coroutine function that queries a node and prints the answer into a command's function.
 
     The node is hidden, like the node of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit
     status follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed
-    unchanged, because some have the text of an error of ``ros2``, such as "Unknown topic".
+    unchanged, because some reuse the text of a ``ros2`` error, such as "Unknown topic".
     """
 
     @click.pass_obj

@@ -1,4 +1,4 @@
-"""The commands ``tank bag``, which work like ``ros2 bag`` and take its most common options."""
+"""The commands ``tank bag``, which work like ``ros2 bag`` and accept its most common options."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
@@ -35,7 +35,11 @@ def bag() -> None:
 @click.argument("topics", nargs=-1, metavar="[TOPICS]...")
 @click.option("-a", "--all", "everything", is_flag=True, help="Record all topics, including those that appear later.")
 @click.option(
-    "-o", "--output", type=Path, metavar="NAME", help="Record into this new folder, by default named after the time."
+    "-o",
+    "--output",
+    type=Path,
+    metavar="NAME",
+    help="Record into this new folder; by default, into one named after the current time.",
 )
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
@@ -44,7 +48,7 @@ def bag() -> None:
     "longest",
     type=click.IntRange(1),
     metavar="SECONDS",
-    help="Start a new file after this time.",
+    help="Start a new file after this many seconds.",
 )
 @click.option("--use-sim-time", is_flag=True, help="Record the times of receipt in simulated time, from /clock.")
 @click.pass_obj
@@ -62,7 +66,7 @@ def record(
     from tutorial.ros.bags import Recorder
 
     if bool(topics) == everything:
-        raise click.UsageError("name topics, or give -a for all of them.")
+        raise click.UsageError("name the topics, or give -a for all topics.")
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
     stop = threading.Event()
     handle_signals(stop.set)
@@ -103,8 +107,10 @@ def info(bag: Path) -> None:
     metavar="[HZ]",
     help=f"Publish the bag's time on /clock at this rate; without a number, at {CLOCK_RATE:g} Hz.",
 )
-@click.option("--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Skip this much of the bag.")
-@click.option("--topics", multiple=True, metavar="TOPIC...", help="Play only these topics; all by default.")
+@click.option(
+    "--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Start this far into the bag."
+)
+@click.option("--topics", multiple=True, metavar="TOPIC...", help="Play only these topics; by default, all.")
 @click.pass_obj
 def play(
     ros_args: list[str],

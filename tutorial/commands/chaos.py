@@ -31,7 +31,7 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     multiple=True,
     callback=_parse_faults,
     metavar="FAULT[:SHARE]",
-    help="Put this fault into a share of the messages, 0 to 1; by default into all. Can be repeated.",
+    help="Put this fault into a share of the messages, from 0 to 1; by default, into all. Can be repeated.",
 )
 @click.option(
     "--from", "good", metavar="TOPIC", help="Take the correct messages from this topic, instead of a steady swing."
@@ -61,4 +61,4 @@ def chaos(ros_args: list[str], /, faults: dict[str, float], good: str | None, se
         print_text(f"{shares or 'no fault'}\n")
         stop.wait()
     hits = ", ".join(f"{name} {count}" for name, count in faulty.made.items() if count)
-    print_text(f"messages hit: {hits or 'none'}\n")
+    print_text(f"affected messages: {hits or 'none'}\n")

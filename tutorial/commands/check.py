@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Done = dict[Path, dict[str, Judged]]
 
-TOGETHER = 2  # number of notebooks that are judged at a time
+TOGETHER = 2  # maximum number of notebooks that are judged at the same time
 LIMIT = 60.0  # [s] time limit for each answer
 
 
@@ -42,12 +42,12 @@ LIMIT = 60.0  # [s] time limit for each answer
     default=LIMIT,
     show_default=True,
     metavar="SECONDS",
-    help="Stop answers that take longer.",
+    help="Stop an answer that takes longer than this.",
 )
 @click.option(
     "--json", "as_json", is_flag=True, help="Print JSON, with the full text of each check, instead of the table."
 )
-@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox, if you trust them.")
+@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox. Use this only if you trust them.")
 @click.option(
     "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
 )
@@ -103,14 +103,14 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Name each notebook by its path below the common folder, with control characters as escapes."""
+    """Name each notebook by its path below the common folder, and escape control characters."""
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - keep a link's own name
     common = Path(os.path.commonpath([path.parent for path in absolute]))
     return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
 
 
 async def _judge_all(names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, done: Done) -> None:
-    """Judge notebooks, `jobs` at a time, with a progress bar or, without a terminal, a line for each."""
+    """Judge notebooks, `jobs` at a time. Show a progress bar or, without a terminal, a line for each notebook."""
     from tqdm import tqdm
 
     from tutorial.commands.checking.submission import judge

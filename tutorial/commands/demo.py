@@ -19,7 +19,7 @@ def read_records(directory: Path) -> list[dict[str, Any]]:
 
 
 def summary(records: Sequence[Mapping[str, Any]]) -> RenderableType:
-    """Lay out each node's message counts, and each node's joint positions; 80 columns are enough."""
+    """Lay out each node's message counts and joint positions, in at most 80 columns."""
     return Group(_nodes(records), _joints(records))
 
 

@@ -1,4 +1,4 @@
-"""``tank doctor``: check whether the tutorial can run on this machine, and say how to fix what is wrong.
+"""``tank doctor``: check whether the tutorial can run on this machine, and suggest fixes.
 
 Checks that can crash or hang run in a separate process, which prints its answer as JSON.
 """
@@ -119,7 +119,7 @@ def ask(question: Callable[[], Any], timeout: float = TIMEOUT) -> Any:
 
 
 def mujoco() -> Diagnosis:
-    """Report MuJoCo's version, and whether it renders the pictures of a camera."""
+    """Report MuJoCo's version, and whether it can render camera images."""
     try:
         version, problem = ask(_mujoco)
     except TutorialError as error:
@@ -203,7 +203,7 @@ def discovery() -> Diagnosis:
     text = f"{reach}: {RANGES[reach]}"
     mends = [] if reach == "LOCALHOST" else [f"for this machine only: export {RANGE}=LOCALHOST"]
     for name in filter(os.environ.get, BY_HAND):
-        text += f"; {name} is {os.environ[name]!r}, and affects discovery, too"
+        text += f"; {name} is {os.environ[name]!r}, which also affects discovery"
         mends.append(f"if that is not intended: unset {name}")
     return Diagnosis("note" if mends else "ok", text, "; ".join(mends))
 
@@ -216,11 +216,11 @@ def domain() -> Diagnosis:
     try:
         names = ask(_nodes)
     except TutorialError as error:
-        fix = "fix the problems of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
+        fix = "fix the problems with ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"cannot create a node in domain {number}: {error}", fix)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
-    text = f"in domain {number}: {', '.join(named) or 'nobody else'}"
+    text = f"in domain {number}: {', '.join(named) or 'no other nodes'}"
     if len(counts) < len(names):
         fix = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
         return Diagnosis("note", f"{text}. Nodes with the same name cannot be distinguished", fix)

@@ -76,7 +76,7 @@ class Gamepad:
 
     @classmethod
     def find(cls) -> Gamepad | None:
-        """Return the first connected gamepad; None without one, or without pygame."""
+        """Return the first connected gamepad; None if there is no gamepad, or no pygame."""
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
         os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
         try:

@@ -25,7 +25,7 @@ BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
 
 
 def own_course() -> Path:
-    """Return the learner's course folder, or make one in the current directory.
+    """Return the learner's course folder, after creating it in the current directory if necessary.
 
     Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
     version would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the
@@ -52,7 +52,7 @@ def own_course() -> Path:
 def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
     """Return the command that opens JupyterLab on the first notebook, for this machine only and with little output.
 
-    Under JupyterHub, it is the student's server, and the hub decides where it listens.
+    Under JupyterHub, JupyterLab runs as the student's server, and the hub decides where that server listens.
 
     Args:
         arguments: additional arguments for JupyterLab, which override the settings made here.
@@ -64,9 +64,9 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
         "ServerApp.allow_root": True,  # in a container, root is the only user
         "ServerApp.allow_origin_pat": _forwarded_origin(),
-        "ServerApp.max_body_size": 64_000_000,  # limit in bytes before authentication; notebooks are smaller
+        "ServerApp.max_body_size": 64_000_000,  # [bytes] limit, even before authentication; notebooks are smaller
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
-        "ServerApp.answer_yes": True,  # a single Ctrl-C ends the server
+        "ServerApp.answer_yes": True,  # a single Ctrl-C stops the server
         "Application.log_level": "ERROR",
         "LabApp.news_url": None,  # otherwise it asks each learner whether to show its news
         **({"KernelManager.transport_encryption": "auto"} if zmq.has("curve") else {}),  # otherwise each kernel warns
@@ -105,7 +105,7 @@ def trust(folder: Path, **settings: str) -> None:
 
 
 def _add_missing(course: Path) -> int:
-    """Copy the files that are missing in a learner's course folder; return how many.
+    """Copy the files that are missing from a learner's course folder; return how many were copied.
 
     Copies are writable even if the originals are not. Each is moved into place when it is complete.
     """
@@ -124,7 +124,7 @@ def _course_files(course: Path) -> Iterator[tuple[Path, Path]]:
     They include the library's controllers, because the notebooks refer to them.
     """
     for source in SHIPPED.rglob("*"):
-        if source.is_file() and source.suffix != ".pyc":  # pip compiles the launch files, too
+        if source.is_file() and source.suffix != ".pyc":  # pip also compiles the launch files
             yield course / source.relative_to(SHIPPED), source
     for source in (PACKAGE / "controllers").glob("[a-z]*.py"):
         yield course / "tutorial" / "controllers" / source.name, source

@@ -65,7 +65,7 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 
 
 class Launcher:
-    """Starts processes, prints their output with their names in front, and ends them together.
+    """Starts processes, prints their output prefixed with their names, and stops them together.
 
     When one fails, the launcher interrupts the other processes and, after a timeout or a second Ctrl-C, kills them. No
     process outlives the launcher, even if the launcher is killed: see `tutorial.system.parent_watch`.
@@ -114,7 +114,7 @@ class Launcher:
         self._stop.set()
 
     def _start(self, name: str, process: ExecuteProcess) -> None:
-        """Start a process, and a thread that follows it."""
+        """Start a process, and a thread that reads its output."""
         command = [str(word) for word in process.cmd]
         try:
             environment = os.environ if process.env is None else process.env
@@ -128,12 +128,12 @@ class Launcher:
         reader.start()
 
     def _follow(self, name: str, process: Popen[str]) -> None:
-        """Print a process's lines until it ends; if it is the first one to fail, have the other processes stopped."""
+        """Print a process's lines until it ends. If it is the first to fail, make `run` stop the other processes."""
         with process:
             for line in process.stdout or ():
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
-        if status >= 0:  # after a signal, other processes of its group can still run
+        if status >= 0:  # if a signal killed it, other processes of its group may still be running
             self._running.pop(name, None)
         if status and not self._stop.is_set():
             self._status = status if status > 0 else 128 - status
@@ -149,11 +149,11 @@ class Launcher:
                 return
             time.sleep(LOOK_EVERY)
         for name in self._running:
-            self._say(name, f"did not stop within {TIMEOUT:g} s and is killed")
+            self._say(name, f"did not stop within {TIMEOUT:g} s, so it is killed")
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:
-        """Send a signal to every remaining process group (0 sends none); return whether there is one."""
+        """Send a signal (or none, for 0) to every remaining process group; return whether any group remains."""
         for name, process in tuple(self._running.items()):
             if not parent_watch.signal_group(process.pid, number):
                 self._running.pop(name, None)
@@ -168,7 +168,7 @@ class Launcher:
 
 
 def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
-    """Name each process by its name or else its program; a number makes repeated names unique."""
+    """Name each process after its `name`, or else its program. Number repeated names to make them unique."""
     named: dict[str, ExecuteProcess] = {}
     for process in processes:
         name = printable(str(process.name or Path(str(process.cmd[0])).name))

@@ -27,7 +27,7 @@ duration_option = click.option(
     type=Seconds(min=0, min_open=True),
     metavar="SECONDS",
     envvar="TANK_DURATION",
-    help="End after this many seconds; without it, run until Ctrl-C.",
+    help="Stop after this many seconds; by default, run until Ctrl-C.",
 )
 linger_option = click.option(
     "--linger",
@@ -35,7 +35,7 @@ linger_option = click.option(
     default=0.0,
     metavar="SECONDS",
     envvar="TANK_LINGER",
-    help="After the duration, wait at most this long for the other programs to end.",
+    help="After the duration, wait at most this long for the other programs to exit.",
 )
 report_option = click.option(
     "--report",
@@ -44,7 +44,7 @@ report_option = click.option(
     envvar="TANK_REPORT",
     help="Write measurements to DIR/NODE.json.",
 )
-headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Show no 3D view.")
+headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Don't show the 3D view.")
 
 
 def part_class(given: str) -> tuple[Path, str | None]:

@@ -52,7 +52,7 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
         print_text(f"    tank ros build {printable(str(folder))}\n\n")
         print_text(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
         return
-    print_text("\nFill in the license in package.xml and setup.py, and the maintainer if git has none. ")
+    print_text("\nFill in the license in package.xml and setup.py, and the maintainer if git doesn't know it. ")
     print_text("README.md explains how to build and run the package:\n\n")
     print_text(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
     print_text(f"    ros2 run {name} {executable}\n    ros2 launch {name} {name}.launch.py\n")

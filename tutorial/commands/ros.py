@@ -25,7 +25,7 @@ def ros() -> None:
     """
 
 
-@ros.command(short_help="Install it, or update it.")
+@ros.command(short_help="Install the real ROS 2, or update it.")
 def install_command() -> None:
     """Install the real ROS 2 into its own folder, unless it is already complete."""
     place = folder.prefix()
@@ -38,7 +38,7 @@ def install_command() -> None:
         print_text(f"\nStep 7 does not run on it: {folder.NO_TF2_MSGS}\n")
 
 
-@ros.command(short_help="Build your own messages, services and actions for it.")
+@ros.command(short_help="Build your own messages, services and actions for the real ROS 2.")
 @click.argument("package", type=click.Path(file_okay=False, path_type=Path))
 def build(package: Path) -> None:
     """Build the interface package in the folder PACKAGE, and install it beside the messages of the real ROS 2.
@@ -51,21 +51,21 @@ def build(package: Path) -> None:
     print_text(f"{name} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
 
 
-@ros.command(short_help="Remove it.")
+@ros.command(short_help="Remove the real ROS 2.")
 def remove_command() -> None:
     """Remove the real ROS 2, and the remains of interrupted installations."""
     remove()
     print_text("The real ROS 2 has been removed.\n")
 
 
-@ros.command(short_help="Show what it is, and whether it is installed.")
+@ros.command(short_help="Show what the real ROS 2 is, and whether it is installed.")
 def info() -> None:
     """Show what the real ROS 2 is, and whether it is installed. tank doctor shows which ROS 2 is in use."""
     hint = "" if folder.state() == "installed" else f". {folder.how_to_get_it()}"
     print_text(f"folder    {folder.prefix()}, {folder.state()}{hint}\n{folder.ABOUT.read_text(encoding='utf-8')}")
 
 
-@ros.command(short_help="Run a command with it.", context_settings={"ignore_unknown_options": True})
+@ros.command(short_help="Run a command with the real ROS 2.", context_settings={"ignore_unknown_options": True})
 @click.argument("command", nargs=-1, required=True, type=click.UNPROCESSED)
 @click.pass_obj
 def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
@@ -82,7 +82,7 @@ def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[str], object]]:
-    """Show the reported progress, and end the command with a message on Ctrl-C."""
+    """Show the reported progress, and exit with a message on Ctrl-C."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with status_line() as report:

@@ -22,6 +22,7 @@ from tutorial.commands.check import check
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
 from tutorial.commands.ros import ros
+from tutorial.commands.service import param, service
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
 from tutorial.commands.topic import node, topic
 from tutorial.errors import TutorialError, printable
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from tutorial.program.project import Project
 
 FILE = click.Path(path_type=Path)
-LINGER = 30.0  # [s] that launched processes wait for each other, on top of the duration itself: machines can be slow
+LINGER = 30.0  # [s] that launched processes wait for each other, in addition to the duration: machines can be slow
 
 
 def main(args: list[str] | None = None) -> None:
@@ -77,9 +78,9 @@ def tank() -> None:
 @click.option(
     "--port",
     type=click.IntRange(1, 65535),
-    help="Serve the 3D view on this port; by default, on the first free one from 7000.",
+    help="Serve the 3D view on this port; by default, on the first free port from 7000 up.",
 )
-@click.option("--html", type=FILE, help="Record the run as a page that replays it.")
+@click.option("--html", type=FILE, help="Save the run as a web page that replays it.")
 @click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
 @click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is named after it.")
 @click.option(
@@ -139,16 +140,16 @@ def launch(step: str, duration: float | None, headless: bool, report: Path | Non
 @duration_option
 @headless_option
 def demo(duration: float | None, headless: bool) -> int:
-    """Run all programs of step 3, and end with a table of the messages."""
+    """Run all programs of step 3, and print a table of the messages at the end."""
     from rich.console import Console
 
     from tutorial.commands.demo import read_records, summary
 
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
-    print_text("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
+    print_text("A joystick, a simulation and a viewer: three programs that talk over ROS 2 topics.\n")
     print_text("Open the two addresses below in a browser.\n")
-    print_text(f"It ends after {duration:g} s.\n" if duration else "Ctrl-C ends it.\n")
+    print_text(f"The demo stops after {duration:g} s.\n" if duration else "Press Ctrl-C to stop.\n")
     with tempfile.TemporaryDirectory(prefix="tank-") as directory:
         status = _launch("step3", duration, headless, Path(directory))
         records = read_records(Path(directory))
@@ -169,7 +170,7 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
     os.execve(sys.executable, lab_command(jupyter_args, course), with_own_commands(os.environ))
 
 
-@tank.command("doctor", short_help="Check this machine, or find out why no messages of a topic arrive.")
+@tank.command("doctor", short_help="Check this machine, or find out why no messages arrive on a topic.")
 @click.argument("topic_name", metavar="[TOPIC]", required=False)
 @click.option(
     "--domain",
@@ -207,7 +208,7 @@ def progress(folder: Path | None) -> None:
     print_text(f"{Overview(exercise_names(), place)!r}\n")
 
 
-@tank.command(short_help="Print a robot's description, a URDF.")
+@tank.command(short_help="Print a robot's description as URDF.")
 @click.argument("model")
 def urdf(model: str) -> None:
     """Print MODEL as URDF: an MJCF or URDF file, or the name of a tutorial model, such as tank.
@@ -223,12 +224,12 @@ def urdf(model: str) -> None:
     print_text(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
 
 
-for command in (bag, chaos, check, node, package, ros, topic):
+for command in (bag, chaos, check, node, package, param, ros, service, topic):
     tank.add_command(command)
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Separate the command's own arguments from ROS 2's arguments: from ``--ros-args`` to ``--`` or the end."""
+    """Separate the command's own arguments from ROS 2's, which extend from ``--ros-args`` to ``--`` or to the end."""
     if "--ros-args" not in words:
         return words, []
     begin = words.index("--ros-args")

@@ -27,7 +27,7 @@ class _LogFormatter(logging.Formatter):
 
 
 def prepare_output() -> None:
-    """Log on stderr, and escape characters on stdout that the terminal's encoding lacks."""
+    """Log on stderr. On stdout, escape the characters that the terminal's encoding lacks."""
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as Python does on stderr
     handler = logging.StreamHandler()
@@ -42,7 +42,7 @@ def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = la
     SIGHUP, which a closing terminal sends, does the same unless ``nohup`` makes this process ignore it.
 
     A separate thread waits for the signals, because the main thread can be stuck in a loop or a blocking call. It waits
-    until the process ends, because the cleanup can get stuck, too.
+    until the process ends, because the cleanup can also get stuck.
 
     Args:
         ask: called on that thread on the first signal. Its exceptions are ignored, because the program may already have

@@ -49,15 +49,21 @@ async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
 
 @topic.command()
 @click.argument("topic_name")
-@click.option("--once", is_flag=True, help="End after the first message.")
+@click.argument("message_type", required=False)
+@click.option("--once", is_flag=True, help="Exit after the first message.")
 @click.option("--field", metavar="FIELD", help="Show only this field, such as position or header.stamp.")
 @click.option("--no-arr", is_flag=True, help="Print only the type and length of arrays.")
 @query
-async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None, no_arr: bool) -> None:
-    """Print the messages of a topic as they arrive, until Ctrl-C."""
+async def echo(
+    node: MeteredNode, topic_name: str, message_type: str | None, once: bool, field: str | None, no_arr: bool
+) -> None:
+    """Print the messages of a topic as they arrive, until Ctrl-C.
+
+    With MESSAGE_TYPE, subscribe even if nobody publishes the topic yet, or if it has several types.
+    """
     from tutorial.ros.topics.listening import topic_echo
 
-    await print_texts(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
+    await print_texts(topic_echo(node, topic_name, message_type, once=once, field=field, no_arr=no_arr))
 
 
 @topic.command()
@@ -76,7 +82,7 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 @click.argument("message_type")
 @click.argument("values", default="{}")
 @click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="Rate [Hz].")
-@click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and end.")
+@click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and exit.")
 @query
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
     """Publish a message. VALUES are its fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.

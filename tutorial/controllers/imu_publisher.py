@@ -43,7 +43,7 @@ class ImuPublisher(SimpleController):
 
 
 def imu(acceleration: Sequence[float], velocity: Sequence[float]) -> Imu:
-    """Return a message with acceleration [m/s^2] and angular velocity [rad/s], each x, y, z, and no orientation."""
+    """Return a message with acceleration [m/s^2] and angular velocity [rad/s], each (3,), but no orientation."""
     message = Imu()
     a, w = message.linear_acceleration, message.angular_velocity
     a.x, a.y, a.z = acceleration

@@ -55,7 +55,7 @@ class Shaker:
         self.timer: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Start shaking. If the body is already shaking, make it shake for longer, at the same place."""
+        """Start shaking. If the body is already shaking, make it shake for longer, in the same place."""
         self.ends_at = asyncio.get_running_loop().time() + DURATION
         if self.timer is None:
             self.place = self.body.position

@@ -11,7 +11,7 @@ RATE = 50  # [Hz], in simulation time
 
 
 class PosePublisher(SimpleController):
-    """Publish the pose of the body's root in the frame ``odom`` at 50 Hz, as a transform, and as odometry."""
+    """Publish the pose of the body's root in the frame ``odom`` at 50 Hz, both as a transform and as odometry."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publishers: for ``/tf``, which all robots share, and for the body's own topic."""

@@ -75,7 +75,7 @@ def set_pose(body: Body, transform: Transform) -> None:
 
 
 class StampPairs:
-    """Pairs the messages of two streams by equal stamps, much like `message_filters.TimeSynchronizer`.
+    """Pairs the messages of two streams that have equal stamps, much like `message_filters.TimeSynchronizer`.
 
     A message waits for its partner. Both streams are in order, so a message older than a pair will not get a partner.
     If too many messages wait, the first to arrive is dropped, whatever its stamp: a publisher can restart from 0.

@@ -10,7 +10,7 @@ FOR_LATECOMERS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL
 
 
 class RobotDescriptionPublisher(SimpleController):
-    """Publish the body as URDF once. The topic is transient local, so late subscribers can receive it, too."""
+    """Publish the body as URDF once. The topic is transient local, so even late subscribers receive the URDF."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher and publish. The topic is named after the body."""

@@ -36,7 +36,7 @@ class TankController(SimpleController):
         self.barrel = AimedJoint(io.body.joint("TURRET_P"), io.time_step)
 
     def control(self) -> None:  # simulation thread, every step
-        """Turn the sticks into track speeds [m/s] and joint torques [N.m]."""
+        """Convert stick positions to track speeds [m/s] and joint torques [N.m]."""
         left_x, left_y, right_x, right_y = sticks(self.joy.get())
 
         # forward at full stick is 2 m/s; full stick sideways makes one track 1 m/s slower and the other 1 m/s faster
@@ -88,7 +88,7 @@ def sticks(message: Joy) -> tuple[float, float, float, float]:
 
 
 def dead_zone(axis: float, width: float) -> float:
-    """Return 0 near the middle, where a released stick never rests exactly; otherwise the axis."""
+    """Return 0 if the axis is near the middle, because a released stick never rests exactly there; else the axis."""
     return axis if abs(axis) > width else 0.0
 
 

@@ -76,7 +76,7 @@ def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shap
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
     """Return the mesh's file, if it has one in a format that other programs read.
 
-    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame, so this inverts the movement. An
+    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame, so this function undoes that. An
     additional offset (``refpos``, ``refquat``) is missing here, because a compiled model does not keep it.
     """
     mesh = model.geom_dataid[geom]

@@ -1,8 +1,8 @@
 """A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and other programs read.
 
-The links are the model's bodies, in the same places. The movable joints are the joints in joint states. Names are as in
-the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is renamed if a
-joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
+The links are the model's bodies, in the same places. The movable joints are the joints in joint states. Names are the
+same as in the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is
+renamed if a joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
 """
 
 import logging
@@ -37,8 +37,8 @@ def robot_description(body: Body) -> str:
 
     Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing from joint states
     are fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with
-    a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts all of
-    these. If the description moves differently from the robot, a warning is logged, too.
+    a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts
+    these differences. If the description moves differently from the robot, a warning is also logged.
 
     Args:
         body: a displayed body, whose model contains nothing else.
@@ -81,7 +81,7 @@ class _Writer:
         return f'<?xml version="1.0"?>\n{text.decode("ascii")}\n'
 
     def _add_body(self, number: int) -> None:
-        """Add a body's link, and the joints to its parent's link."""
+        """Add a body's link, and the joints that connect it to its parent's link."""
         place = self._place(number)
         if place is None:
             self.moves_otherwise["bodies that move freely relative to the root"] += 1
@@ -134,8 +134,8 @@ class _Writer:
     def _lead(self, parent: Element, joints: list[int], place: Matrix, name: str) -> Element:
         """Add a link, and the joints that lead to it.
 
-        URDF allows one joint between two links, with its axis through the child's frame. So this adds massless links
-        between joints, and one on the axis if it does not pass through the body's frame.
+        URDF allows one joint between two links, with its axis through the child's frame. This function therefore adds
+        massless links between joints, and one on the axis if the axis does not pass through the body's frame.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)

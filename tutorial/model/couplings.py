@@ -14,7 +14,7 @@ NOBODY = -1
 """Stands for the leader of a follower that is held at a constant position."""
 
 NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
-"""Equalities of links and tendons. They move joints, too, but no formula gives the position of a single joint."""
+"""Equalities of links and tendons. They also move joints, but no formula gives the position of a single joint."""
 
 
 class Coupling(NamedTuple):
@@ -57,7 +57,7 @@ class Coupling(NamedTuple):
 class Followers:
     """Moves the joints of a displayed body that are coupled to other joints.
 
-    A joint follows until its position is first set by name: a publisher that names the joint knows its position.
+    A joint follows its leader until its own position is set by name: a publisher that names it knows its position.
 
     Args:
         model: the model.

@@ -8,13 +8,13 @@ from contextlib import contextmanager, suppress
 
 WARN_EVERY = 5.0  # [s] between log lines
 AFTER_WARNING = {
-    " in CTRL at ": "All controls count as 0 until each is a number again.",
+    " in CTRL at ": "All controls count as 0 until every one is valid again.",
     " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
 }
 """MuJoCo's reaction to a warning, which the warning's text omits."""
 
 IN_OTHER_WORDS = {
-    "Attach conflict": "a model's file attaches another file whose options differ. They are not used.",
+    "Attach conflict": "a model's file attaches another file whose options differ. That file's options are not used.",
 }
 """Replacements for warnings that only MuJoCo's own developers understand, by the beginning of the warning."""
 
@@ -29,7 +29,7 @@ class _MujocoWarns:
         self._due = 0.0
 
     def __call__(self, text: str) -> None:
-        """Log a warning. The next line counts the warnings that were left out since the last line."""
+        """Log a warning. The next line counts the warnings that were suppressed since the last line."""
         with suppress(BaseException):  # an exception that reaches MuJoCo, which is C++, would end the process
             now = time.monotonic()
             if now < self._due:

@@ -44,7 +44,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
 
     Args:
         world: the world, whose options this function sets.
-        parts: the file and the content of each model. This function sets the options of the content, too.
+        parts: the file and the content of each model. This function also sets the options in the content.
         time_step: the world's time step [s], which overrides the models' time steps; None to use them.
 
     Returns:

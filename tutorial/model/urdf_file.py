@@ -28,7 +28,7 @@ SETTINGS = {
 """These settings keep all links and shapes, and correct physically impossible inertias."""
 
 VISUAL, HIDDEN = 1, 3
-"""The group that MuJoCo gives to a URDF's visuals, and a group that viewers hide."""
+"""The group that MuJoCo assigns to a URDF's visuals, and a group that viewers hide."""
 
 PACKAGE = ("package", "model")
 """URL schemes of files in a package's folder."""
@@ -37,8 +37,8 @@ PACKAGE = ("package", "model")
 def read_urdf(path: Path) -> mujoco.MjSpec | None:
     """Read a robot description. The view shows its visuals, or its collision shapes if it has no visuals.
 
-    A mesh's address can begin with ``package://``. The package's folder is found by its name or its ``package.xml``,
-    from the file's folder upwards, or by its name in AMENT_PREFIX_PATH.
+    A mesh's ``filename`` can begin with ``package://``. The package's folder is found by its name or ``package.xml``,
+    searching from the file's folder upwards, or by its name in AMENT_PREFIX_PATH.
 
     Args:
         path: the file, with any suffix.
@@ -100,7 +100,7 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
     """Find the file of a mesh.
 
     Args:
-        given: the mesh's address in the robot description.
+        given: the mesh's ``filename`` in the robot description.
         path: path of the robot description.
         meshdir: the mesh folder that the description names, relative to its own folder; None if it names none.
     """

@@ -16,6 +16,15 @@ from tutorial.notebook.desk import close_all, keep, log, until
 from tutorial.notebook.faults import start_fault, stop_fault
 from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
+from tutorial.notebook.service_tools import (
+    param_describe,
+    param_dump,
+    param_get,
+    param_list,
+    param_set,
+    service_call,
+    service_list,
+)
 from tutorial.notebook.topic_tools import node_list, topic_echo, topic_hz, topic_info, topic_list, why
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.column import Column
@@ -45,7 +54,14 @@ __all__ = [
     "node_list",
     "open_node",
     "open_program",
+    "param_describe",
+    "param_dump",
+    "param_get",
+    "param_list",
+    "param_set",
     "progress",
+    "service_call",
+    "service_list",
     "side_by_side",
     "start_command",
     "start_fault",

@@ -14,12 +14,12 @@ from tutorial.system import parent_watch
 from tutorial.system.paths import HOME, with_own_commands
 
 TIMEOUT = 5.0  # [s] between asking a command to stop and killing it
-LONGEST = 120.0  # [s] the longest wait for a command that ends by itself
+LONGEST = 120.0  # [s] the longest wait for a command to exit on its own
 LINES_KEPT = 1000
 
 
 class Command:
-    """A command that runs beside the kernel, in the tutorial's folder. It ends when the kernel ends or is killed.
+    """A command that runs beside the kernel, in the tutorial's folder. It stops when the kernel exits or is killed.
 
     Args:
         line: the command line, for instance ``"tank run step2 --headless"``.
@@ -52,14 +52,14 @@ class Command:
         """Wait until the command has printed `text`.
 
         Raises:
-            TutorialError: the command ended without printing it, or took too long.
+            TutorialError: the command exited without printing it, or took too long.
         """
         await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to print {text!r}")
         if text not in self.output:
             raise TutorialError(f"{self._line!r} ended with status {self.status}. It printed:\n{self.output}")
 
     async def ends(self) -> int:
-        """Wait until the command ends by itself, and return its exit status."""
+        """Wait until the command exits on its own, and return its exit status."""
         await until(lambda: not self._reader.is_alive(), f"the end of {self._line!r}", LONGEST)
         return self._process.returncode
 

@@ -1,4 +1,4 @@
-"""The registry of what is open in this kernel, and the library's newest log lines."""
+"""The registry of the objects that are open in this kernel, and the library's newest log lines."""
 
 import asyncio
 import logging
@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError, printable_lines
 
-TIMEOUT = 30.0  # [s] that `until` waits: a classroom's server can be slow
+TIMEOUT = 30.0  # [s] the longest wait of `until`: a classroom's server can be slow
 LOOK_EVERY = 0.01  # [s] between checks of a condition
 LINES_KEPT = 100
 
@@ -43,7 +43,7 @@ _open: dict[str, tuple[Any, Callable[[], object]]] = {}
 
 
 def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Make an object and register it under a name, after closing the object registered before.
+    """Make an object and register it under a name, after closing the object that had this name.
 
     Args:
         name: the name, for instance ``"program simulation"``.
@@ -57,7 +57,7 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
 
 
 def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Return the object registered under a name; or make one as `keep` does."""
+    """Return the object registered under a name, or make one as `keep` does."""
     return _open[name][0] if name in _open else keep(name, make, close)
 
 

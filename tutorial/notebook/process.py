@@ -59,9 +59,10 @@ def _handle_comms_between_cells(lock: Any) -> None:
 
     ipykernel 7.4 handles them while an async cell runs, so that the cell can await a widget's reply
     (https://github.com/ipython/ipykernel/issues/646). If the cell ends in the meantime, the next cell's output and its
-    "idle" name the ended cell as their parent, and the page waits for them forever. ipykernel 7.4 also routes a page's
-    messages to the thread that wrote to the page last, usually the main thread, even if the page asks for a different
-    one. ipykernel has no setting for either, so this replaces private attributes. A test checks that they still exist.
+    "idle" status name the ended cell as their parent, and the page waits for them forever. ipykernel 7.4 also routes a
+    page's messages to the thread that wrote to the page last, usually the main thread, even if the page asks for a
+    different one. ipykernel has no setting for either, so this function replaces private attributes. A test checks that
+    they still exist.
 
     Args:
         lock: the kernel's lock, held while a cell runs. While it reports that it is locked, the kernel handles comm

@@ -26,9 +26,9 @@ from tutorial.view.scene import Scene
 
 T = TypeVar("T")
 
-LONG_REST = 0.05  # [s] between batches of steps while the page is gone, to save processor time
+LONG_REST = 0.05  # [s] between batches of steps while the page is gone, to save CPU time
 REST_AFTER = 300.0  # [s] without a page before a running simulation is paused
-RESTS = "paused at %.1f s, after %d min without a page: start() resumes it"
+RESTS = "paused at %.1f s, after %d min without an open page: start() resumes it"
 LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, such as while the user thinks
 
 
@@ -112,7 +112,7 @@ class Program:
     def start(self) -> None:
         """Run the simulation in real time until `stop` is called. Idempotent.
 
-        After some minutes without the notebook's page, the simulation is paused, and the view says so.
+        After a few minutes without the notebook's page, the simulation is paused, and the view says so.
 
         Raises:
             TutorialError: the program only displays, or was closed.
@@ -138,7 +138,7 @@ class Program:
         Successive calls form one run: the controllers keep their state.
 
         Args:
-            seconds: the simulated time to pass [s].
+            seconds: the simulated time to advance by [s].
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -182,7 +182,7 @@ class Program:
         bar.value, bar.bar_style = seconds, "success"
 
     def show_frames(self, *names: str) -> None:
-        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The key X does this, too.
+        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The key X also does this.
 
         Args:
             names: frames such as ``"odom"`` and ``"Tank/base_link"``; without names, all frames.
@@ -210,7 +210,7 @@ class Program:
             with tank.record("drive.html"):
                 await tank.run(10)
 
-        The page needs no other files: you can send it to a friend. Pauses without movement are cut to a second.
+        The page needs no other files: you can send it to a friend. Pauses without movement are shortened to one second.
 
         Args:
             path: where to write the page.
@@ -223,11 +223,11 @@ class Program:
         return recorded(self._scene, path, *shown, LONGEST_PAUSE)
 
     def close(self) -> None:
-        """End the simulation, the controllers and the node. The view keeps its last picture. Idempotent."""
+        """Shut down the simulation, controllers and node. The view keeps its last picture. Idempotent."""
         self._open = False
         self._next.cancel()
         self.host.close()
-        self._scene.catch_up()  # so that pages opened later show the last picture, too
+        self._scene.catch_up()  # so that pages opened later also show the last picture
         self._scene.catch_up = lambda: None
         self.view.end()
 

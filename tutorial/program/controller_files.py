@@ -10,6 +10,7 @@ from types import ModuleType
 from tutorial import controllers
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, describe_error, did_you_mean
+from tutorial.ros.backend import real_ros_needed
 from tutorial.system.paths import is_file
 
 
@@ -32,6 +33,8 @@ def find_controller(name: str) -> type[SimpleController]:
     try:
         module = import_module(known[name])
     except Exception as error:
+        if type(error).__name__ == "NeedsRealROSError":  # a real rclpy has no such exception to import
+            raise real_ros_needed(name) from error
         raise TutorialError(describe_error(error, file)) from error
     found = _classes_of(module)
     if name not in found:

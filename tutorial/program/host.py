@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean
-from tutorial.handoff import CallQueue
+from tutorial.errors import RefusedError, TutorialError, did_you_mean
+from tutorial.handoff import PATIENCE, CallQueue
 from tutorial.program.frame import draw_frame
 from tutorial.program.item import Item
 from tutorial.program.neighbours import Neighbours
@@ -29,12 +29,13 @@ if TYPE_CHECKING:
     from tutorial.view.bodies import View
 
 CLOSED = "this program is closed. Open it again."
+NO_SIMULATION = "there is no simulation here, or not yet. A program simulates if its project has a 'simulator'."
 
 _log = logging.getLogger(__name__)
 
 
 class Host(AbstractAsyncContextManager["Host"]):
-    """A program that runs a project: it simulates, or only displays, if the project has no simulator.
+    """A program that runs a project: it simulates or, if the project has no simulator, only displays.
 
     It belongs to the thread that makes it, the main thread, whose event loop must be running. Use ``async with
     Host(project)`` in a notebook's cell, or in a coroutine that a script passes to `asyncio.run`.
@@ -52,7 +53,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         note: text at the start of the line below the view, until the next run.
 
     Raises:
-        TutorialError: a controller does not fit its body; or, at the end of the context, one has failed to leave it.
+        TutorialError: a controller does not fit its body or, at the end of the context, has failed to leave it.
     """
 
     def __init__(
@@ -78,7 +79,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             view.scene.catch_up = self._draw
         try:
             clock: list[tuple[str, SimpleController]] = [("", ClockPublisher(self.node))] if project.clock else []
-            for entry in project.bodies:  # from now on, messages arrive; the calls that they post wait for the loop
+            for entry in project.bodies:  # messages arrive from now on; their posted calls wait for the event loop
                 self._add(entry, simulates=project.time_step is not None)
             # Zoom in on the bodies, unless there are several and one of them, such as a laboratory, has no controllers.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
@@ -100,12 +101,12 @@ class Host(AbstractAsyncContextManager["Host"]):
     async def run(
         self, duration: float | None = None, linger: float = 0.0, progress: Callable[[float], object] | None = None
     ) -> None:
-        """Run for a while. The event loop stays free: meanwhile, posted calls run and the view is drawn.
+        """Run the program. The event loop stays free, so posted calls run and the view is drawn meanwhile.
 
         Args:
             duration: how long [s], in simulated time if the project simulates; None to run until cancelled.
-            linger: if the program only displays, how long to wait after the duration [s], at most, until the publishers
-                have left and their messages have been applied.
+            linger: if the program only displays, the longest wait after the duration [s] for the publishers to leave
+                and for their messages to be applied.
             progress: called with `seconds` once every frame.
 
         Raises:
@@ -154,7 +155,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         if self.simulation is not None:
             raise TutorialError(f"{name!r} cannot join a simulation. Add it to the project and reopen the project.")
         if name in self._items:
-            raise TutorialError(f"there already is a body {name!r}. Remove it first, or rename the new one.")
+            raise TutorialError(f"there is already a body {name!r}. Remove it first, or rename the new one.")
         try:
             self._add(entry, simulates=False)
         except BaseException:
@@ -173,25 +174,28 @@ class Host(AbstractAsyncContextManager["Host"]):
         """
         if name not in self._items:
             raise TutorialError(f"there is no body {name!r}.{did_you_mean(name, self._items)}")
+        self._items[name].drop_calls()  # first, so that no request is carried out after its controller has stopped
         try:
             if self.simulation is not None and self.simulation.state is not State.ABANDONED:
                 self.simulation.release(name)
         finally:
-            self._items.pop(name).close()
+            with self._ros.paused():  # as in `close`
+                self._items.pop(name).close()
             self.forget_errors()
             if self._view is not None:
                 self._view.remove(name)
 
     def close(self) -> None:
-        """End the simulation, the controllers and the node. Idempotent; if Ctrl-C interrupts it, call it again."""
+        """Shut down the simulation, controllers and node. Idempotent; if Ctrl-C interrupts it, call it again."""
         self._closed = True
         try:
             if self.simulation is not None:
                 self.simulation.stop()
         finally:
             self._cameras.close()
-            for item in self._items.values():
-                item.close()
+            with self._ros.paused():  # a callback whose request was refused first sends its response
+                for item in self._items.values():
+                    item.close()
             self._calls.close()
             self._ros.close()
 
@@ -233,7 +237,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         return self._snapshot_time if self.simulation is not None else time.monotonic()
 
     def joint_positions(self) -> dict[str, float]:
-        """Return the positions of the displayed joints, by ``"body joint"`` [rad, or m for slide joints]."""
+        """Return the positions of the displayed joints [rad, or m for slide joints], keyed by ``"body joint"``."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
 
     def record(self) -> dict[str, Any]:
@@ -243,13 +247,19 @@ class Host(AbstractAsyncContextManager["Host"]):
     def _add(self, entry: BodyItem, simulates: bool) -> None:
         """Add a body to the program and its view, and have its controllers join it."""
         name = entry.placement.name
-        item = self._items[name] = Item(entry.placement, self.node, self._calls)
+        item = self._items[name] = Item(entry.placement, self.node, self._calls, self._ask)
         if self._view is not None:
             self._view.add(name, item.body.model)
         for controller in entry.controllers:
             item.attach(controller)
             if not simulates and controller.control is not SimpleController.control:
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
+
+    def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
+        """Have the simulation's thread run a function. Controllers join their bodies before there is a simulation."""
+        if self.simulation is None:
+            raise RefusedError(NO_SIMULATION)
+        return self.simulation.world.requests.ask(function, *args, timeout=timeout)
 
     def _begin_run(self, duration: float | None, linger: float) -> SimulatedRun | DisplayedRun:
         if self.simulation is None:

@@ -3,11 +3,13 @@
 import logging
 import time
 from collections import Counter
+from collections.abc import Callable
+from typing import Any
 
 from tutorial.body import Body
-from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.errors import TutorialError, describe_error, file_of, printable
-from tutorial.handoff import CallQueue, CallScope
+from tutorial.controller import Ask, ControllerConfig, SimpleController
+from tutorial.errors import RefusedError, TutorialError, describe_error, file_of, printable
+from tutorial.handoff import PATIENCE, CallQueue, CallScope
 from tutorial.joints import Arrival, JointReport
 from tutorial.model.couplings import not_computed
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
@@ -15,9 +17,9 @@ from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between log lines about a body's messages, and between queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as stale
-CONTESTED_FOR = 2.0  # [s] for which the line below the view names a rival after its last message
+CONTESTED_FOR = 2.0  # [s] that the line below the view keeps naming a rival after its last message
 NAMED = 3  # number of stale joints or nodes to name; any others are only counted
-LONGEST_NAME = 60  # characters of a node's name to show, at most
+LONGEST_NAME = 60  # maximum number of characters of a node's name to show
 
 _log = logging.getLogger(__name__)
 
@@ -95,7 +97,7 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Report whether no message has arrived, or no message could be shown yet."""
+        """Explain why there is no report yet: no message has arrived, or none could be shown."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"no message on {topic} could be shown yet"
@@ -116,7 +118,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Record that a rival's message has arrived. From time to time, look up the publishers, and log a change."""
+        """Record that a rival's message has arrived. From time to time, look up the publishers, and log any change."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return
@@ -126,7 +128,9 @@ class JointWatch:
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
-                self._publishers = f"{len(nodes)} nodes publish on {topic}, one is followed: {printable(_some(names))}"
+                self._publishers = (
+                    f"{len(nodes)} nodes publish on {topic}, only one is followed: {printable(_some(names))}"
+                )
                 if self._publishers != before:
                     _log.warning("%s: %s", self._body.name, self._publishers)
 
@@ -138,6 +142,7 @@ class Item:
         placement: the body's name and model.
         node: the node that its controllers use.
         calls: the main thread's queue of posted calls.
+        ask: has the simulation's thread run a function, see `ControllerConfig`.
 
     Attributes:
         body: the displayed body.
@@ -149,7 +154,7 @@ class Item:
         TutorialError: the model cannot be loaded.
     """
 
-    def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue) -> None:
+    def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue, ask: Ask) -> None:
         self.body = Body.displayed(placement)
         self.controllers: list[SimpleController] = []
         self.body.on_change(self._mark_dirty)
@@ -157,6 +162,7 @@ class Item:
         self.failed = False
         self._node = node
         self._calls = calls
+        self._ask = ask
         self._scopes: list[CallScope] = []
         self._dirty = True
 
@@ -172,7 +178,8 @@ class Item:
         self._scopes.append(scope)  # first, so that the calls of a controller that fails to join are dropped
         try:
             controller = controller_class()
-            controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
+            ask = _until_closed(scope, self._ask)
+            controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest, ask))
         except (Exception, SystemExit) as error:
             text = f"{name} could not join {self.body.name}: {describe_error(error, file_of(controller_class))}"
             raise TutorialError(text) from error
@@ -184,10 +191,14 @@ class Item:
         dirty, self._dirty = self._dirty, False
         return dirty
 
-    def close(self) -> None:
-        """Drop the controllers' waiting calls, then have the controllers leave the body."""
+    def drop_calls(self) -> None:
+        """Drop the controllers' waiting calls, and refuse their requests. Idempotent."""
         for scope in self._scopes:
             scope.close()
+
+    def close(self) -> None:
+        """Drop the controllers' calls and requests, then have the controllers leave the body."""
+        self.drop_calls()
         while self.controllers:
             controller = self.controllers.pop(0)
             try:
@@ -198,6 +209,20 @@ class Item:
 
     def _mark_dirty(self, _: JointReport | None) -> None:
         self._dirty = True
+
+
+def _until_closed(scope: CallScope, ask: Ask) -> Ask:
+    """Return a controller's `ask`: once its scope is closed, nothing that it has asked for is carried out."""
+
+    def run(function: Callable[..., Any], *args: object) -> Any:
+        if scope.closed:
+            raise RefusedError(f"{scope.owner} has left the program.")
+        return function(*args)
+
+    def ask_until_closed(function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
+        return ask(run, function, *args, timeout=timeout)
+
+    return ask_until_closed
 
 
 def _some(names: list[str]) -> str:

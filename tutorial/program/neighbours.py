@@ -1,4 +1,4 @@
-"""Warnings about other programs in the same ROS domain that get in the way of this one."""
+"""Warnings about other programs in the same ROS domain that interfere with this one."""
 
 import logging
 import time

@@ -81,7 +81,7 @@ class Project:
 
     @classmethod
     def load(cls, path: str | Path) -> Project:
-        """Read a project file and check it.
+        """Read and validate a project file.
 
         Args:
             path: the file; the paths of models are relative to its folder.
@@ -107,12 +107,12 @@ class Project:
 
         Raises:
             TutorialError: no body or more than one has controllers, the model cannot be loaded, or a body cannot have
-                its name.
+                the file's name.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
             raise TutorialError(
-                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
+                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which one to replace."
             )
         name = model.stem.capitalize()
         compose([Placement(name, model)])  # raises MuJoCo's error if the model cannot be loaded
@@ -193,7 +193,7 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Co
         if unfit := _unfit(body.name):
             raise TutorialError(unfit)
         if duplicates := [name for name in body.names if name in taken]:
-            raise TutorialError(f"there already is a body {duplicates[0]!r}. Rename this one.")
+            raise TutorialError(f"there is already a body {duplicates[0]!r}. Rename this one.")
     with at("model"):
         model = _find_model(file.path.parent, body.model)
     controllers = []
@@ -222,7 +222,7 @@ def _find_model(folder: Path, given: str) -> Path:
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
-    """Return positions in rows. Seen along x, each is filled from left to right, in front of the previous one."""
+    """Return positions in rows, each filled from left to right (seen along x) and in front of the previous row."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     x, y, z = middle

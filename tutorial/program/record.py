@@ -1,4 +1,4 @@
-"""The record of a run: one JSON file for each process. The demo makes its table from them."""
+"""The record of a run: one JSON file for each process. The demo builds its table from them."""
 
 import json
 from collections import Counter, defaultdict
@@ -65,7 +65,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
 
 
 def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, dict[str, Any]]:
-    """Combine the meters by topic and direction: all publishers of a topic count as one, like all subscriptions."""
+    """Combine the meters by topic and direction: a topic's publishers count as one, and so do its subscriptions."""
     ends: defaultdict[tuple[str, str], list[TopicMeter]] = defaultdict(list)
     for meter in meters:
         ends[meter.direction, meter.topic].append(meter)

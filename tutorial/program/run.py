@@ -21,7 +21,7 @@ class SimulatedRun:
 
     Args:
         simulation: the running simulation.
-        has_duration: whether it should stop by itself. If it makes no steps for too long, the run stops it.
+        has_duration: whether the simulation should stop after a duration. If it hangs before that, the run stops it.
     """
 
     simulation: Simulation
@@ -34,7 +34,7 @@ class SimulatedRun:
         self._still = self._still + 1 if self.simulation.step == self._step else 0
         self._step = self.simulation.step
         if self.has_duration and self._still > HUNG / FRAME:
-            _log.warning("the simulation has made no step for %g s, so it is stopped", HUNG)
+            _log.warning("the simulation has not advanced for %g s, so it is stopped", HUNG)
             self.simulation.stop()
         return not self.simulation.running
 

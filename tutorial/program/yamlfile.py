@@ -1,4 +1,4 @@
-"""Reads hand-written YAML files, checks them against a type, and reports mistakes with their line."""
+"""Reads hand-written YAML files, checks them against a type, and reports mistakes with their line numbers."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -113,7 +113,7 @@ class YamlFile(Generic[T]):
 
 
 def _refusal(error: str, shape: type) -> tuple[list[str | int], str]:
-    """Return the place of the mistake that msgspec found, and describe the mistake in YAML's terms."""
+    """Return the location of the mistake that msgspec found, and describe the mistake in YAML's terms."""
     problem, _, path = error.partition(" - at ")
     where = [int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", path)]
     name = problem.partition("`")[2][:-1]
@@ -129,7 +129,7 @@ def _refusal(error: str, shape: type) -> tuple[list[str | int], str]:
 
 
 def _fields(shape: type, where: Iterable[str | int]) -> list[str]:
-    """Return the field names of the structure at a place."""
+    """Return the field names of the structure at a location."""
     info: Any = inspect.type_info(shape)
     for step in where:
         info = info.item_type if isinstance(step, int) else {each.name: each.type for each in info.fields}[step]

@@ -48,6 +48,27 @@ def use_real_ros() -> None:
     ros_backend.cache_clear()
 
 
+def real_ros_needed(what: str) -> TutorialError:
+    """Return an error that says what needs a real ROS 2, and how to get and use one.
+
+    Args:
+        what: the subject of the sentence, such as ``"TankServer"``.
+    """
+    get = "" if folder.state() == "installed" else f" {folder.how_to_get_it()}"
+    use = f"Use it with export {VARIABLE}=rclpy, or in a notebook with use_real_ros()."
+    return TutorialError(f"{what} needs a real ROS 2, because the pocket one has only topics.{get} {use}")
+
+
+def need_real_ros(what: str) -> None:
+    """Raise the error of `real_ros_needed` if this process uses the pocket ROS 2.
+
+    Raises:
+        TutorialError: it does.
+    """
+    if ros_backend() == "pocket":
+        raise real_ros_needed(what)
+
+
 def promise() -> None:
     """Make ``import rclpy`` work, or make it raise an error that explains the problem.
 

@@ -15,7 +15,7 @@ class ClockPublisher(SimpleController):
 
     While the simulation is paused, nothing is published; a new program starts at 0 again. This controller runs before
     all other controllers, so that no stamp is ahead of the clock. Delivery is reliable for subscriptions that request
-    it; nodes request best effort and the newest message.
+    it; nodes request best effort, and only the newest message.
 
     Args:
         node: the node that publishes.

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from tutorial.errors import TutorialError
 
 DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
-"""Domain IDs whose ports the system gives to no other program (ROS 2's documentation, "The ROS_DOMAIN_ID").
+"""Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID").
 
 The ones up to 10 are left to people, who choose them by hand, and to the doctor, which searches them.
 """
@@ -19,8 +19,8 @@ The ones up to 10 are left to people, who choose them by hand, and to the doctor
 def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved.
 
-    DDS uses the domain's first port for UDP. This function binds the same TCP port without listening; it is free
-    again when the process ends, if not before. Containers with separate networks can reserve the same ID without
+    DDS uses the domain's first port for UDP. This function binds the same TCP port without listening; the port is
+    released when the process ends, if not before. Containers with separate networks can reserve the same ID without
     conflict.
 
     Args:

@@ -1,4 +1,4 @@
-"""Make the messages of a joystick: `sensor_msgs/Joy`, like the ROS 2 joy package's ``game_controller_node``."""
+"""Make joystick messages: `sensor_msgs/Joy`, like those of the ROS 2 joy package's ``game_controller_node``."""
 
 from collections.abc import Sequence
 

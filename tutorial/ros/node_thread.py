@@ -10,8 +10,8 @@ import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
@@ -204,6 +204,9 @@ class SpinThread(Generic[AnyNode]):
             self._context.try_shutdown()
             raise
         self._stopping = threading.Event()
+        self._turn, self._unpaused = threading.Lock(), threading.Event()  # for `paused`
+        self._unpaused.set()
+        self._is_stuck = False
         self._failure: list[str] = []  # text of the last logged failure
         self._failed_at = 0.0
         self._unsaid = 0
@@ -217,6 +220,19 @@ class SpinThread(Generic[AnyNode]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Run no callbacks inside this context, except one that does not return in time."""
+        self._is_stuck = True
+        self._unpaused.clear()
+        try:
+            self._is_stuck = not self._turn.acquire(timeout=-1 if self.timeout is None else self.timeout)
+            yield
+        finally:
+            self._unpaused.set()
+            if not self._is_stuck:
+                self._turn.release()
+
     def close(self) -> None:
         """Stop the thread, then shut down the executor, destroy the node and shut down the context. Idempotent.
 
@@ -226,7 +242,7 @@ class SpinThread(Generic[AnyNode]):
         if self not in self.alive:
             return
         self._stopping.set()
-        self._thread.join(self.timeout)
+        self._thread.join(4 * LOOK if self._is_stuck else self.timeout)  # `paused` has already waited
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
             threading.Thread(target=self._leave, name="leaving", daemon=True).start()
@@ -259,12 +275,14 @@ class SpinThread(Generic[AnyNode]):
         gone = 0  # consecutive spins that failed on a destroyed entity
         while self._context.ok() and not self._stopping.is_set():
             try:
-                self._executor.spin_once(timeout_sec=LOOK)
+                with self._turn:
+                    self._executor.spin_once(timeout_sec=LOOK)
                 gone = 0
             except BaseException as error:  # noqa: BLE001 - a callback can raise anything, and SystemExit is common
                 gone = gone + 1 if _met_what_is_destroyed(error) else 0
                 if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
+            self._unpaused.wait()  # otherwise, this thread would often be the next to take the lock
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:

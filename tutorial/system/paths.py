@@ -14,7 +14,7 @@ from pathlib import Path
 from tutorial.errors import TutorialError, did_you_mean
 
 COURSE = ("launch_py", "notebooks", "project")
-"""The folders that make a folder a course folder."""
+"""A folder that contains these folders is a course folder."""
 
 ROOT = 0  # the user
 
@@ -102,7 +102,7 @@ def find_model(given: str) -> Path:
 
 
 def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return an environment whose PATH includes this Python's commands, such as ``tank``, activated or not."""
+    """Return an environment whose PATH begins with the folder of this Python's commands, such as ``tank``."""
     commands = (str(Path(sys.executable).parent), environment.get("PATH", os.defpath))
     return {**environment, "PATH": os.pathsep.join(commands)}
 

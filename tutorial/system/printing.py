@@ -1,4 +1,4 @@
-"""Prints text that may contain parts from outside, at a terminal or in a cell."""
+"""Prints text that may contain untrusted parts, at a terminal or in a cell."""
 
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
@@ -9,9 +9,9 @@ from tutorial.errors import printable_lines
 
 
 def print_text(text: str, err: bool = False) -> None:
-    """Print text with its own line ends, and flush. All commands print with this function.
+    """Print text without adding a line break, and flush. All commands print with this function.
 
-    Control characters are printed as escapes: parts of the text may come from outside, and a terminal would obey them.
+    Control characters are printed as escapes: parts of the text may be untrusted, and a terminal would interpret them.
 
     Args:
         text: the text.

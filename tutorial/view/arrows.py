@@ -12,16 +12,16 @@ from tutorial.description.poses import Matrix, pose
 from tutorial.view.shapes import draw_arrow
 
 LONGEST = 1.0
-"""Length limit of arrows [m], whatever is published."""
+"""Maximum length of an arrow [m], whatever is published."""
 
 LARGEST = 1e6
-"""Larger numbers are shown as this one, to keep the table narrow."""
+"""Measured values are clamped to this magnitude, to keep the table narrow."""
 
 SMOOTHNESS = 0.7
-"""The fraction of the difference between the shown and measured vectors that is left after each frame."""
+"""The fraction of the difference between the shown and measured vectors that remains after each frame."""
 
 UNSEEN = 1e-3
-"""The scale of a hidden arrow. It is not 0, because a matrix has to have an inverse."""
+"""The scale of a hidden arrow. It is not 0, because the matrix has to be invertible."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ class Arrow:
     def aim(self, data: mujoco.MjData) -> None:
         """Aim at the measured vector, from the sensor's current position.
 
-        Three zeros count as no measurement, because an accelerometer at rest measures 9.8. If a number is not finite,
-        there is no arrow.
+        Three zeros count as no measurement, because an accelerometer at rest measures 9.8. No arrow is
+        drawn if a number is not finite.
         """
         self._measured = data.sensordata[self._adr : self._adr + 3].copy()
         self._origin = data.site_xpos[self._site] + (0.0, 0.0, self._style.offset)
@@ -95,7 +95,7 @@ class Arrow:
             self._target = np.zeros(3)
 
     def step(self) -> Iterator[dict[str, Any]]:
-        """Move the arrow towards its target by one frame; yield the commands that draw it, if it has changed.
+        """Move the arrow one frame closer to its target; yield the commands that draw it, if it has changed.
 
         The arrow is added to the scene when it becomes visible for the first time.
         """
@@ -114,7 +114,7 @@ class Arrow:
         yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Return the measurement as name, x, y, z, unit and legend; empty without one."""
+        """Return the measurement as name, x, y, z, unit and legend; empty if there is none."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))

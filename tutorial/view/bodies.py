@@ -79,7 +79,7 @@ class View:
         """Draw all MuJoCo bodies of a model in their initial poses.
 
         Args:
-            name: a new name for `update` and `remove`, without a slash.
+            name: an unused name, without a slash, to pass to `update` and `remove`.
             model: the model. Its geoms in groups 0 to 2 are drawn.
 
         Raises:
@@ -118,7 +118,7 @@ class View:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Return what the arrows of a body show as rows of numbers, without sensors that have not measured yet.
+        """Return what a body's arrows show as rows of numbers, without sensors that have not measured anything yet.
 
         Returns:
             Rows of body, quantity, x, y, z, unit and legend.
@@ -164,7 +164,7 @@ class View:
         self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def show_frames(self, *names: str) -> None:
-        """Draw the axes of these frames, and of no others.
+        """Draw the axes of exactly these frames.
 
         Args:
             names: frames such as ``"odom"`` and ``"Tank/base_link"``; see `frame_names`.
@@ -228,7 +228,7 @@ class View:
         return bodies, geoms
 
     def _draw_frame(self, path: str, frame: Frame, extent: float) -> None:
-        """Draw the axes of a frame below its body's path, and hide them. static/camera.js uses these paths, too."""
+        """Draw the axes of a frame below its body's path, and hide them. static/camera.js also uses these paths."""
         own = self._frames[frame.name] = f"{path}/frames/{frame.name.replace('/', '.')}"
         self._set_object(f"{own}/axes", shapes.draw_axes(own, frame.name, AXES * extent, frame.pose, frame.label))
         self._set(own, "visible", False)

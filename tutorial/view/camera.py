@@ -46,7 +46,7 @@ class Camera:
         replaces one that has not been rendered yet.
 
         Call it on the thread that steps the simulation. If that thread also made the renderer (lockstep), this call
-        waits until the picture has been delivered, so that none is lost, and raises what ``deliver`` raises.
+        waits until the picture has been delivered, so that none is lost, and raises any exception from ``deliver``.
 
         Raises:
             TutorialError: in lockstep, the picture did not arrive in time.
@@ -132,7 +132,7 @@ class CameraRenderer:
                 self._changed.wait_for(lambda: self._at_work is None or self._at_work.camera is not camera, TIMEOUT)
 
     def close(self) -> None:
-        """End the thread. Idempotent."""
+        """Stop the thread. Idempotent."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -166,14 +166,14 @@ class CameraRenderer:
             return self._at_work
 
     def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
-        """Deliver a picture. In lockstep the caller raises the receiver's error; otherwise the first one is logged."""
+        """Deliver a picture. In lockstep, the caller raises the receiver's error; otherwise, log the first error."""
         try:
             request.deliver(pixels, *request.args)
         except BaseException as error:  # noqa: BLE001 - the other cameras continue
             request.error = error
             if not request.is_awaited:
                 if self.error is None:
-                    _log.error("a receiver of pictures failed; others continue", exc_info=error)
+                    _log.error("a receiver of pictures failed; other receivers continue", exc_info=error)
                 self.error = error
         request.done.set()
 

@@ -60,5 +60,5 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
 
 
 def _full(robot: str, name: str) -> str:
-    """Return a frame's name after the robot's name, which this adds in a model that was not composed."""
+    """Return a frame's name with the robot's name as a prefix, which only names in a composed model already have."""
     return name if name.startswith(f"{robot}/") else f"{robot}/{name}"

@@ -22,7 +22,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
     """An off-screen OpenGL context for pictures of one model. It belongs to the thread that makes it.
 
     Args:
-        model: the model to render. The context uses a copy without shadows and antialiasing, which are expensive.
+        model: the model to render. The context uses a copy without shadows or antialiasing, which are expensive.
 
     Raises:
         Exception: rendering does not work on this machine.

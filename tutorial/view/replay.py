@@ -37,7 +37,7 @@ class Replay:
     Attributes:
         scene: a message of `tutorial.view.scene` with all objects and the animation.
         times: the frames' times [s], from 0.
-        joints: by "body joint", the position in each frame [rad], or [m] for a slide joint; NaN where there is none.
+        joints: the position in each frame [rad, or m for slide joints], keyed by "body joint"; NaN if missing.
         lines: the lines below the view: (start time [s], text).
     """
 
@@ -95,8 +95,8 @@ class ReplayRecorder:
     Args:
         scene: the scene to record, from now on.
         seconds: returns the elapsed time of the run [s].
-        joints: returns the joints' positions [rad], or [m], by "body joint".
-        longest_pause: longer pauses without movement are cut to this length [s].
+        joints: returns the joints' positions [rad, or m for slide joints], keyed by "body joint".
+        longest_pause: longer pauses without movement are shortened to this length [s].
     """
 
     def __init__(
@@ -149,15 +149,15 @@ def recorded(
     joints: Callable[[], Mapping[str, float]] = dict,
     longest_pause: float = math.inf,
 ) -> Iterator[None]:
-    """Record what a scene shows during a ``with`` block as a page.
+    """Record what a scene shows during a ``with`` block, and write it as a page.
 
     Args:
         scene: the scene to record.
         path: where to write the page.
         title: the title of the page.
         seconds: returns the time that the scene shows [s].
-        joints: returns the joints' positions [rad], or [m], by "body joint".
-        longest_pause: longer pauses without movement are cut to this length [s].
+        joints: returns the joints' positions [rad, or m for slide joints], keyed by "body joint".
+        longest_pause: longer pauses without movement are shortened to this length [s].
 
     Raises:
         TutorialError: the file cannot be written; this is checked before the run.

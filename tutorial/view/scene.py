@@ -22,7 +22,7 @@ from tutorial.handoff import ThreadGuard
 logger = logging.getLogger(__name__)
 
 LINE_LENGTH = 200
-"""The largest number of characters in the line below the view."""
+"""The maximum number of characters in the line below the view."""
 
 Sink = Callable[[bytes], None]
 Vector = tuple[float, float, float]
@@ -99,7 +99,7 @@ class Scene:
 
     @property
     def watched(self) -> bool:
-        """Whether a sink is attached. Without one nothing needs to be drawn, because `snapshot` catches up."""
+        """Whether a sink is attached. Without one, nothing needs to be drawn, because `snapshot` catches up."""
         return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:
@@ -123,7 +123,7 @@ class Scene:
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
         """Write one line below the view, and a small table below that. If both are empty, nothing is shown.
 
-        They are shown as text, never as HTML. White space is collapsed, and strings longer than `LINE_LENGTH` are cut.
+        Both are shown as text, never as HTML. White space is collapsed, and strings are truncated to `LINE_LENGTH`.
 
         Args:
             text: the text of the line.
@@ -150,7 +150,7 @@ class Scene:
         self._put(CAMERA, pack_record(Record.CAMERA, _CAMERA.pack(*position, *target)))
 
     def flush(self) -> None:
-        """Send all changes since the last flush to the attached sinks as one message. Without changes, send nothing.
+        """Send all changes since the last flush to the attached sinks as one message, if there are any.
 
         If a sink raises an exception, log it and detach the sink; the other sinks still receive the message.
 

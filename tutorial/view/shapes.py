@@ -41,7 +41,7 @@ AXES = {
 """The rotation from z to each axis, and the axis's colour as 0xRRGGBB."""
 
 ON_TOP = {"depthTest": False, "transparent": True}
-"""Settings of a material that nothing hides."""
+"""Settings of a material that is drawn on top of everything."""
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """In three.js the axis of a cylinder is y, in MuJoCo it is z."""

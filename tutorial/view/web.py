@@ -1,7 +1,7 @@
 """Serves the 3D view to browsers on this machine, for programs outside Jupyter.
 
-The server has no thread or process of its own. It runs on the main thread's event loop, and so ends with the program,
-however that ends.
+The server has no thread or process of its own. It runs on the main thread's event loop, so it ends with the program,
+however the program ends.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tutorial.view.scene import Scene
 
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
-"""The server uses the first free one."""
+"""The server uses the first free port in this range."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
@@ -37,10 +37,10 @@ BACKLOG = 1 << 18
 
 OWN_HOSTS = r"127\.0\.0\.1|localhost"
 """The host names that this server answers to. A foreign page whose own name resolves to this machine (DNS rebinding)
-gets "not found". A foreign page that uses the right name has a different origin, and is refused the socket."""
+gets "not found". A foreign page that uses the right name has a different origin, so its WebSocket is refused."""
 
 LARGEST_BODY = 1024
-"""The size limit of a request's body [bytes]; no request needs one."""
+"""The size limit of a request's body [bytes]; no request needs a body."""
 
 
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
@@ -98,7 +98,7 @@ def _listen(ports: Sequence[int]) -> socket.socket:
         except OSError as error:
             reason = os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
-    raise TutorialError(f"the 3D view cannot use {which}: {reason}. Give a free port, or none to have one chosen.")
+    raise TutorialError(f"the 3D view cannot use {which}: {reason}. Give a free port, or no port, to have one chosen.")
 
 
 class _Protected(RequestHandler):
@@ -148,7 +148,7 @@ class _Browser(WebSocketHandler):
         self.scene.detach(self.show)
 
     def show(self, message: bytes) -> None:
-        """Send a frame. If an earlier one is still being sent, send the whole scene after that instead."""
+        """Send a frame. If an earlier frame is still being sent, send the whole scene after it instead."""
         if self._stream.writing():
             self.is_behind = True
         else:

@@ -21,7 +21,7 @@ from tutorial.program.controller_files import find_controller, load_controllers
 from tutorial.ros.joy import joy_message
 
 TIME_STEP = 0.001  # [s]
-LONGEST_DEBT = 0.25  # [s] longest backlog of real time to catch up on, as in the course's simulation
+LONGEST_DEBT = 0.25  # [s] maximum backlog of real time to catch up on, as in the course's simulation
 LONGEST_TURN = 0.03  # [s] of stepping before the page's messages get a turn
 
 
@@ -88,7 +88,7 @@ class Program:
         self.step += 1
 
     def _attempt(self, do: Callable[..., None], *arguments: object) -> str:
-        """Call a function that runs controllers. After an error, stop, and return the message in the course's words."""
+        """Call a function that runs controllers. After an error, stop and return the message as in the course."""
         self._has_failed, self._at_work = False, ""
         try:
             do(*arguments)

@@ -79,5 +79,5 @@ WRONG = [
     (edited(aim, ("= self.joint.range", "= -0.1700001, 0.7800001")), "hard-code the ends of the range"),
     (edited(aim, ("= time_step", "= 0.001")), "a fixed time step"),
     (ByTheClock, "the computer's clock"),
-    (OneByOne, "add the torque to the last one with +="),
+    (OneByOne, "add the torque to the previous one with +="),
 ]

@@ -58,7 +58,7 @@ def in_whole_thousandths(joint_names, message):
 
 
 WRONG = [
-    (yields, "Return a dict from names to positions"),
+    (yields, "Return a dict that maps names to positions"),
     (makes_one_dict, "reuse one dict in all calls"),
     (looks_up_all, "expect every joint in every message"),
     (filters_first, ["before zip", "only for NaN"]),

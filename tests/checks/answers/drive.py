@@ -111,7 +111,7 @@ METHODS = [
     ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["so the tank keeps moving"]),
     ({"configure": subscribes_first}, "create the subscription before the attributes that its callback uses"),
     ({"configure": other_type}, ["a different topic or type", "read it before anything"]),
-    ({"unconfigure": lambda self: self.subscription.destroy()}, "does not reach the node"),
-    ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure destroy only the subscription"),
+    ({"unconfigure": lambda self: self.subscription.destroy()}, "does not notify the node"),
+    ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure, destroy only the subscription"),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]

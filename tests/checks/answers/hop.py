@@ -113,7 +113,7 @@ WRONG += [
     for edit, cause in [
         (("hypot(a.x, a.y)", "max(a.x, a.y)"), "You probably test a different condition"),
         (("self.move(self.place)", "self.move(self.body.position - (0, 0, 0.1))"), "compute or hard-code the place"),
-        (("> 20", "> 20 and not hasattr(self, 'place')"), "On landing set self.timer = None"),
+        (("> 20", "> 20 and not hasattr(self, 'place')"), "On landing, set self.timer = None"),
         ((POST, SKIP_EQUAL + POST), "is identical to the previous one"),
         (("a = message.", "if self.timer: self.timer.cancel()\na = message."), "react to a harmless message"),
         (("config.call_later", "lambda *call: config.call_latest('imu', *call)"), "You probably lose messages"),

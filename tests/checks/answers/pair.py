@@ -83,5 +83,5 @@ WRONG = [
     (ADefault, "on the class, or in the default of an argument"),
     (OnlyTwenty, "You probably keep fewer or more than 50 waiting messages"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
-    (NeverBehind, "After a restart they begin at 0"),
+    (NeverBehind, "After a restart they start at 0"),
 ]

@@ -1,4 +1,4 @@
-"""Edits of a source, and what a case means."""
+"""Edits of a source, and the meaning of a case."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The process that judges, from inside."""
+"""The judging process, seen from the inside."""
 
 from tutorial.checks.engine.child import _findings
 from tutorial.checks.engine.instruments import Instruments

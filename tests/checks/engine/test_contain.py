@@ -34,7 +34,7 @@ def _judges(process):
 
 
 def said_about(answer):
-    """Return the output of a check, and make sure that its process is gone."""
+    """Return the output of a check, and make sure that its process has ended."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
         asyncio.run(drive.check(answer))
     assert not children()
@@ -72,8 +72,8 @@ class HaltsPython(GentleTank):
 
 
 ENDS = [
-    (TakesLong, "✗ every call of control takes too long", "in control, line ", "return at once"),
-    (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only returns"),
+    (TakesLong, "✗ the calls to control take too long", "in control, line ", "return at once"),
+    (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only has to return"),
     (Crashes, "✗ the process was killed by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
     (Floods, "✗ control does not return", "  | here I am", "it needs no loop of its own"),
     (HaltsPython, "✗ Python itself hangs", "in control, line", "A call into C code probably did not return"),
@@ -199,7 +199,7 @@ TEXT = "Do.\n\nDo it.\n\nHint 1: Look.\n\nNotice it."
 
 class Dozing(Exercise):
     def findings(self, answer, instruments):
-        """Judge for ever."""
+        """Judge forever."""
         while True:
             time.sleep(0.1)
             yield right("still")

@@ -26,7 +26,7 @@ class Answer(SimpleController):
 
 SENTENCES = {
     "You probably forgot self: def control(self):": lambda: Answer().control(),
-    "You probably forgot the parentheses: Answer alone is the class": lambda: Answer.on_joy(message=1),
+    "You probably forgot the parentheses: Answer is the class": lambda: Answer.on_joy(message=1),
     "You probably call the callback right away. Pass it without parentheses": lambda: Answer().configure(0),
     "This is a tuple. Unpack it": lambda: (1,).header,
     "You probably forgot self in initialize: self.io = ...": lambda: Answer().io,
@@ -46,4 +46,4 @@ def test_pythons_messages_are_understood(sentence):
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)
     del info
-    gc.collect()  # the real rclpy's spin_once leaves a half-made executor, which warns when it is collected
+    gc.collect()  # the real rclpy's spin_once leaves a half-initialized executor, which warns when it is collected

@@ -1,4 +1,4 @@
-"""Which failures are the same observation."""
+"""Which failures count as the same observation."""
 
 from tutorial.checks.engine.failure import Failure, Misuse
 

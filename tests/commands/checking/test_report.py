@@ -1,4 +1,4 @@
-"""Reporting answers that cannot be judged, and naming them."""
+"""Reporting answers that cannot be judged, by name."""
 
 from pathlib import Path
 

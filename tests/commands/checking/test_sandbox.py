@@ -120,7 +120,7 @@ def test_the_sandbox_hides_the_users_things_and_has_what_answers_need(inside, tm
         service.bind(str(tmp_path / "mine" / "bus"))
         service.listen()
         found = inside(REACHES, server.getsockname()[1], os.getpid())
-    assert (found["own"], found["loopback"], found["child"]) == ("4", "1", "['1']")  # DDS needs the loopback
+    assert (found["own"], found["loopback"], found["child"]) == ("4", "1", "['1']")  # DDS needs the loopback interface
     for name in ("write", "read", "bus", "look"):
         assert found[name] == "FileNotFoundError", name
     assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"

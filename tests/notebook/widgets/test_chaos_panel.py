@@ -28,7 +28,7 @@ async def test_a_slider_adds_a_fault_and_the_button_removes_all(domain):
         assert not any(panel.made.values())
         move(panel.sliders["nan"], 1.0)
         await until(lambda: math.isnan(sum(heard[-1].position)), "a NaN")
-        await until(lambda: panel._hits.value.startswith("messages hit: nan "), "the count")
+        await until(lambda: panel._hits.value.startswith("affected messages: nan "), "the count")
         panel._reset.click()
         assert panel.sliders["nan"].value == 0
         await until(lambda: not math.isnan(sum(heard[-1].position)), "a good message again")

@@ -32,12 +32,12 @@ async def comes(widget, *messages):
 
 
 def shown(sent):
-    """Return the first byte of each sent image; None for a line without one."""
+    """Return the first byte of each sent image; None for a line without an image."""
     return [buffers[0][0] if buffers[0] else None for _, buffers in sent]
 
 
 def requested(node):
-    """Return the reliability that each subscription asks for."""
+    """Return the reliability that each subscription requests."""
     return [info.qos_profile.reliability for info in node.get_subscriptions_info_by_topic(TOPIC)]
 
 
@@ -86,12 +86,12 @@ def test_rows_may_be_longer_than_their_pixels():
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"step": 11}, "4 x 3 pixels of rgb8, in rows of 11 bytes, 36 in all: not shown"),
-        ({"height": 4}, "4 x 4 pixels of rgb8, in rows of 12 bytes, 36 in all: not shown"),
-        ({"width": 0}, "0 x 3 pixels of rgb8, in rows of 12 bytes, 36 in all: not shown"),
+        ({"step": 11}, "4 x 3 pixels of rgb8, in rows of 11 bytes, 36 bytes in all: not shown"),
+        ({"height": 4}, "4 x 4 pixels of rgb8, in rows of 12 bytes, 36 bytes in all: not shown"),
+        ({"width": 0}, "0 x 3 pixels of rgb8, in rows of 12 bytes, 36 bytes in all: not shown"),
         (
             {"width": 2**31, "step": 2**32 - 1},
-            "2147483648 x 3 pixels of rgb8, in rows of 4294967295 bytes, 36 in all: not shown",
+            "2147483648 x 3 pixels of rgb8, in rows of 4294967295 bytes, 36 bytes in all: not shown",
         ),
         ({"encoding": ""}, "the encoding '' is not supported, only rgb8, bgr8, mono8"),
     ],

@@ -40,7 +40,7 @@ WAIT_WITHOUT_A_BREAK = """
 import time
 said = []
 stick.on_msg(lambda *_: said.append(stick.axes[1]))
-while said[-5:] != [1.0] * 5:  # the page says again and again what is held
+while said[-5:] != [1.0] * 5:  # the page keeps sending what is held
     time.sleep(0.001)
 print("driven")
 """
@@ -229,7 +229,7 @@ async def look_twice_and_move(page, notebook):
 
 
 async def turn_by_keys(page, notebook):
-    """While it has the focus, the view gets the keys and the wheel."""
+    """Check that the view gets the keys and the wheel while it has the focus."""
     view = page.locator(pane(0))
     await view.scroll_into_view_if_needed()
     await view.hover()
@@ -257,9 +257,9 @@ async def turn_by_keys(page, notebook):
 
 
 async def lose_the_connection(page, notebook, complaints):
-    """The page shows the scene again whenever the connection is back, even if the kernel is busy meanwhile.
+    """Check that the page shows the scene again after each reconnection, even if the kernel is busy at the time.
 
-    It also follows a cell that never lets the loop run, even longer than a page may fall behind.
+    It also follows a cell that never lets the loop run, even for longer than a page may fall behind.
     """
     for x in (0.2, 0.4):
         await notebook.run_new(f"box.move({x}, 0)")
@@ -285,7 +285,7 @@ async def is_near_the_end(page):
 
 
 async def close_one(page, notebook):
-    """A view that is removed from the page frees its graphics context, and tells the kernel."""
+    """Check that a view removed from the page frees its graphics context, and tells the kernel."""
     await page.evaluate("(pane) => { window.oldContext = pane.viewer.renderer.getContext(); }",
                         await page.locator(pane(1)).element_handle())  # fmt: skip
     await notebook.clear(2)
@@ -307,7 +307,7 @@ async def close_it(page, notebook):
 async def show_it_without_webgl(page, notebook):
     await page.evaluate("HTMLCanvasElement.prototype.getContext = () => null")
     await notebook.run(1)
-    await page.get_by_text("This browser shows no 3D graphics.").wait_for()
+    await page.get_by_text("This browser cannot show 3D graphics.").wait_for()
 
 
 def test_a_notebook_shows_the_scene_late_twice_and_reloaded_until_it_ends(desk):

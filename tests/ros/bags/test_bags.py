@@ -99,7 +99,7 @@ def make(path, *payloads, channels=CHANNELS[:1], storage="mcap") -> Bag:
 
 
 def read(path) -> tuple[list[tuple[str, int, bytes]], str]:
-    """Return the messages of a damaged bag, and the report of the damage, or of why there are none."""
+    """Return the messages of a damaged bag and the report of the damage, or no messages and the error."""
     try:
         bag = Bag(path)
         found = list(bag.raw_messages())
@@ -143,7 +143,7 @@ def test_rosbags_reads_it(tmp_path, storage):
 
 
 def test_the_mcap_package_reads_it(tmp_path):
-    """It finds when each message was sent, and no damage."""
+    """It reads when each message was sent, and finds no damage."""
     written = write(tmp_path / "bag")
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as file:
         found = [(message.log_time, message.publish_time) for *_, message in make_reader(file, True).iter_messages()]

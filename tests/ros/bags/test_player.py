@@ -66,7 +66,7 @@ def heard(nodes):
 
 @contextmanager
 def playing(player):
-    """Play on a thread, which must end soon after it is told to stop."""
+    """Play on a thread, which must end soon after it is asked to stop."""
     stop = threading.Event()
     thread = threading.Thread(target=player.run, args=(stop,))
     thread.start()

@@ -59,7 +59,7 @@ def test_a_loop_is_refused(nodes):
 
 
 def test_a_second_publisher_and_a_restart(nodes, received):
-    """A destroyed publisher leaves nothing, also on a real ROS 2."""
+    """A destroyed publisher leaves nothing behind, even on a real ROS 2."""
     chaos, listener = nodes
     stream = ChaosStream(chaos, Chaos({"second": 0.5}))
     until(lambda: listener.count_publishers(TOPIC) == 2, "two publishers")

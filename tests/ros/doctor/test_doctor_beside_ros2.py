@@ -50,7 +50,7 @@ def running(*command: str) -> Iterator[None]:
 
 
 def finds(text: str, *tank: str) -> None:
-    """Ask the doctor until it says this: ``ros2`` takes a moment to start."""
+    """Ask the doctor until it reports this text: ``ros2`` takes a moment to start."""
     ask = partial(subprocess.run, [*tank, "doctor", JOY, "--domain", "0"], capture_output=True, text=True, check=False)
     until(lambda: text in ask().stdout, text)
 

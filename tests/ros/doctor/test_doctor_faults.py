@@ -1,4 +1,4 @@
-"""The doctor on real graphs: each fault is seeded in two variants, and it has to name the cause first.
+"""The doctor on real graphs: each fault is seeded in two variants, and the doctor has to name its cause first.
 
 The tests only use rclpy, so they run on a real ROS 2, too.
 """
@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Coroutine, Iterator, Mapping
 from contextlib import ExitStack, closing
+from math import nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -54,7 +55,7 @@ class Graph:
             return self._stack.enter_context(NodeThread(name, args)).node
 
     def publish(self, kind=JointState, topic=TOPIC, qos=10, rate=20.0, make=None, args=()) -> Any:
-        """Publish at a rate [Hz]; 0 never."""
+        """Publish at a rate [Hz]; 0 means never."""
         node = self.node(f"tank{len(NodeThread.alive)}", *args)
         publisher = node.create_publisher(kind, topic, qos)
         numbers = iter(range(10**6))
@@ -81,7 +82,7 @@ def graph() -> Iterator[Graph]:
 
 
 def facts_of_each(faults: Mapping[Any, Callable[[Graph], str]]) -> dict[Any, Facts]:
-    """Seed each fault in a domain of its own, and let the doctor look at all of them at the same time."""
+    """Seed each fault in a domain of its own, and let the doctor examine them all at the same time."""
 
     async def look(asked: list[Coroutine[Any, Any, Facts]]) -> list[Facts]:
         return await asyncio.gather(*asked)
@@ -127,7 +128,7 @@ def clock_stands(graph: Graph) -> str:
 
 
 def blocked(graph: Graph) -> str:
-    """A callback that does not return keeps the timer of the same node from publishing."""
+    """Block the publishing timer by a callback that does not return."""
     graph.publish(make=lambda _: JointState(name=[str(graph.ended.wait(60))]))
     return TOPIC
 
@@ -154,9 +155,13 @@ FAULTS = {
     "late": (once(String, "/description"), once_volatile),
     "clock": (pair({"args": SIM_TIME}, {}), clock_stands),
     "silent": (pair({"rate": 0}, {}), blocked),
-    "dropped": (
+    "unknown": (
         pair({"make": lambda number: swing(number, ["TURET_Y", "barrel"])}, {}),
+        pair({"make": lambda number: swing(number, ["Tank/TURRET_Y", "Tank/TURRET_P"])}, {}),
+    ),
+    "dropped": (
         pair({"make": backwards}, {}),
+        pair({"make": lambda number: JointState(name=["TURRET_Y"], position=[nan])}, {}),
     ),
 }
 

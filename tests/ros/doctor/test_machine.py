@@ -73,7 +73,7 @@ def test_rmw(start, domain, topic):
 
 @pytest.fixture
 def take(domain):
-    """Return a function that takes this many places in the domain."""
+    """Return a function that takes a number of places in the domain."""
     with ExitStack() as stack:
 
         def take(places: int) -> None:

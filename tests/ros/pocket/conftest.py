@@ -46,7 +46,7 @@ def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], objec
     def spin_until(condition: Callable[[], object]) -> None:
         deadline = time.monotonic() + TIMEOUT
         while not condition():
-            assert time.monotonic() < deadline, "waited in vain"
+            assert time.monotonic() < deadline, "timed out waiting for a condition"
             executor.spin_once(timeout_sec=0.05)
 
     return spin_until

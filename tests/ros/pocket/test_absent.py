@@ -62,7 +62,7 @@ class LateFinder(MetaPathFinder, Loader):
 @pytest.mark.parametrize("name", MISSING)
 def test_import(name):
     with pytest.raises(
-        ModuleNotFoundError, match=r"has no [\w.]+\. A real ROS 2 Jazzy has: see https.*again\."
+        ModuleNotFoundError, match=r"has no [\w.]+\. A real ROS 2 Jazzy does: see https.*again\."
     ) as error:
         import_module(name)
     on_pypi = name.startswith(("rclpy", "std_srvs", "ament_index", "sensor_msgs.srv", "tf2_msgs.action"))

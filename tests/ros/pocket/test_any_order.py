@@ -1,7 +1,7 @@
 """Starting, spinning, destroying and shutting down in any order, from several threads at once.
 
-Whatever the order, the only result is rclpy's exception or none: never a different exception, a hang, a crash when the
-interpreter ends, or a thread that stays.
+Whatever the order, each call succeeds or raises rclpy's exception. There must be no other exception, no hang, no crash
+when the interpreter exits, and no thread that is left running.
 """
 
 import pytest
@@ -43,7 +43,7 @@ def start(r):
     contexts.append(context)
 
 
-def spin_for_ever(node):
+def spin_forever(node):
     try:
         rclpy.spin(node) if node is not None else None
     except BaseException as error:
@@ -52,7 +52,7 @@ def spin_for_ever(node):
 
 
 def spin_on_a_thread(r):
-    spinners.append(threading.Thread(target=spin_for_ever, args=(r.choice(nodes),)))
+    spinners.append(threading.Thread(target=spin_forever, args=(r.choice(nodes),)))
     spinners[-1].start()
 
 
@@ -92,7 +92,7 @@ def spin_until(r):
     rclpy.spin_until_future_complete(r.choice(nodes), future, timeout_sec=0.02)
 
 
-STEPS_THERE_ARE = [
+ALL_STEPS = [
     init, init, start, shutdown, try_shutdown, create_node, create_node, create_node, destroy_node, create_publisher,
     create_publisher, create_subscription, create_subscription, create_timer, publish, publish, destroy_publisher,
     destroy_subscription, destroy_timer, use_timer, ask, create_executor, add_node, remove_node, stop_executor,
@@ -111,7 +111,7 @@ def attempt(step, r):
 def work(seed):
     r = random.Random(seed)
     for _ in range(STEPS):
-        attempt(r.choice(STEPS_THERE_ARE), r)
+        attempt(r.choice(ALL_STEPS), r)
 
 
 threads = [threading.Thread(target=work, args=(SEED * 100 + number,)) for number in range(THREADS)]

@@ -1,4 +1,4 @@
-"""Who hears a program, whom it looks for, and how many programs a domain can have."""
+"""Who can discover a program, where it looks for others, and how many programs a domain can have."""
 
 import errno
 import socket
@@ -59,7 +59,7 @@ def test_an_unknown_peer_is_named(peer, domain, monkeypatch):
     monkeypatch.setenv(PEERS, f"127.0.0.1;{peer}")
     with pytest.raises(RuntimeError) as raised:
         _cyclone.join(domain)
-    said = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found"
+    said = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which cannot be found"
     assert str(raised.value).startswith(said)
     assert "separated by semicolons" in str(raised.value)
 

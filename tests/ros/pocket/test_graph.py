@@ -40,7 +40,7 @@ def test_reading_ends_although_announcements_keep_coming(node, heard, monkeypatc
 
 
 def test_reading_waits_its_turn(node, stranger, monkeypatch):
-    """A participant that announces a lot does not keep others from being read."""
+    """A participant with many announcements does not keep those of others from being read."""
     from rclpy import _graph
 
     monkeypatch.setattr(_graph, "LONGEST", len(stranger.listing("quiet")))
@@ -73,7 +73,7 @@ def test_ignored_announcements_are_reported_once(node, heard, names, said, spin_
     spin_until(lambda: "late" in node.get_node_names())
     warnings = capfd.readouterr().err.splitlines()
     assert len(warnings) == 1
-    assert re.search(rf"\b1 announcements of nodes have been ignored. The last: {said}$", warnings[0])
+    assert re.search(rf"\b1 announcements of nodes have been ignored. The last one: {said}$", warnings[0])
 
 
 @pytest.mark.parametrize("version", ["12.0.1", "11.0.2"])

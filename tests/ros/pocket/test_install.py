@@ -12,11 +12,11 @@ import pocket_ros2
 
 @pytest.fixture
 def real(monkeypatch, tmp_path):
-    """A broken installed rclpy; the one in use is forgotten meanwhile."""
+    """A broken rclpy that is installed, while Python forgets the one in use."""
     for name in [name for name in sys.modules if name.split(".")[0] == "rclpy"]:
         monkeypatch.delitem(sys.modules, name)
     others = [entry for entry in sys.path if entry != str(pocket_ros2.PATH)]
-    monkeypatch.setattr(sys, "path", [str(tmp_path), *others])  # syspath_prepend would restore the shorter path at last
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *others])  # syspath_prepend would restore the shorter path
     monkeypatch.setattr(sys, "meta_path", [*sys.meta_path])
     (tmp_path / "rclpy").mkdir()
     (tmp_path / "rclpy/__init__.py").write_text("raise ImportError('libcrypto is missing')")

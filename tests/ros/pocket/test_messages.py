@@ -145,13 +145,13 @@ def test_a_star_imports_all_messages(package):
 
 @pytest.mark.pocket
 class TestPocketOnlyErrors:
-    """Errors that help more than those of a real ROS 2."""
+    """Errors that are more helpful than those of a real ROS 2."""
 
     @pytest.mark.parametrize(
         "name", ["std_srvs.srv", "sensor_msgs.srv", "example_interfaces.action", "example_interfaces.msg"]
     )
     def test_services_and_actions_need_a_real_ros(self, name):
-        with pytest.raises(ImportError, match=r"has no (\w|\.)+\. A real ROS 2 Jazzy has: see https"):
+        with pytest.raises(ImportError, match=r"has no (\w|\.)+\. A real ROS 2 Jazzy does: see https"):
             import_module(name)
 
     def test_the_nearest_message_is_suggested(self):

@@ -107,7 +107,7 @@ def test_a_forked_process_ends_or_says_how_to_get_a_node(start, in_child, status
     assert re.search(said, errors, re.DOTALL)
 
 
-@pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_for_ever()"])
+@pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_forever()"])
 def test_daemon_threads_are_silent_at_exit(start, busy):
     process = start(f"""
 import rclpy, threading, time
@@ -115,7 +115,7 @@ from std_msgs.msg import String
 rclpy.init(args=[])
 node = rclpy.create_node("x")
 publisher = node.create_publisher(String, "x", 10)
-def publish_for_ever():
+def publish_forever():
     while True:
         publisher.publish(String())
 threading.Thread(target=lambda: {busy}, daemon=True).start()
@@ -210,7 +210,7 @@ def test_an_interrupt_is_raised_and_does_not_crash(start, rounds, seconds, turns
 
 @pytest.mark.pocket
 def test_shutdown_reads_no_freed_memory(start, monkeypatch):
-    monkeypatch.setenv("MALLOC_MMAP_THRESHOLD_", "1")  # glibc unmaps what is freed, so reading it is a crash
+    monkeypatch.setenv("MALLOC_MMAP_THRESHOLD_", "1")  # glibc unmaps freed memory, so reading it crashes
     monkeypatch.setenv("MALLOC_MMAP_MAX_", "60000")
     process = start("""
 import rclpy
@@ -229,7 +229,7 @@ rclpy.shutdown()
 
 
 def test_log_configuration(start):
-    """It needs a new process, because a real ROS 2 configures its logs once per process, and fails only then."""
+    """Use a new process: a real ROS 2 configures its logging only once per process, and can fail only then."""
     process = start("""
 from rclpy.context import Context
 context = Context()

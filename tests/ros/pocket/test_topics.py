@@ -66,7 +66,7 @@ def test_a_malformed_message_is_reported_once_and_later_ones_arrive(node, spin_u
         publisher.publish(payload)
     spin_until(lambda: received)
     assert received == ["good"]
-    assert capfd.readouterr().err.count("A message on topic 'x' is dropped") == 1
+    assert capfd.readouterr().err.count("A message on topic 'x' was dropped") == 1
 
 
 CREATE: dict[str, Callable[[Node], Any]] = {
@@ -135,7 +135,7 @@ def test_creating_and_destroying_leaks_no_memory(node):
             node.destroy_subscription(node.create_subscription(String, "x", print, 10))
             node.destroy_publisher(node.create_publisher(String, "x", 10))
         memory.append(psutil.Process().memory_info().rss)
-    assert min(after - before for before, after in pairwise(memory)) < 200 * 1500  # it was 3800 bytes each time
+    assert min(after - before for before, after in pairwise(memory)) < 200 * 1500  # it once leaked 3,800 bytes a time
 
 
 @pytest.mark.pocket

@@ -31,7 +31,7 @@ JOINT_STATE = "/Tank/joint_state"
 
 @pytest.fixture
 def asker(domain: int) -> Iterator[MeteredNode]:
-    """The node that asks, hidden like that of ``ros2``."""
+    """The node that runs the commands, hidden like the one of ``ros2``."""
     with NodeThread("_asker") as thread:
         yield thread.node
 
@@ -50,7 +50,7 @@ def refusal(texts) -> str:
 
 @pytest.fixture
 def met(asker) -> Iterator[MeteredNode]:
-    """The node that asks, beside the recorded nodes; it must have destroyed its subscriptions at the end."""
+    """The same node, beside the recorded nodes. At the end, it must have destroyed its subscriptions."""
     with recorded_nodes():
         yield asker
     assert not list(asker.subscriptions)
@@ -74,13 +74,15 @@ class TestEcho:
         assert "Invalid field 'header.positions': 'Header' object has no attribute" in said
 
     def test_two_types_on_one_topic(self, asker):
-        with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS allows each only one type
-            one.node.create_publisher(String, "/both", 1)
+        with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS allows only one type for each
+            publisher = one.node.create_publisher(String, "/both", 1)
+            one.node.create_timer(0.05, lambda: publisher.publish(String(data="here")))
             other.node.create_publisher(Joy, "/both", 1)
             assert refusal(topic_echo(asker, "/both")) == (
                 "Cannot echo topic '/both', as it contains more than one type: "
                 "[sensor_msgs/msg/Joy, std_msgs/msg/String]"
             )
+            assert asyncio.run(first(topic_echo(asker, "both", "std_msgs/String"))) == "data: here\n---\n"
             text = asyncio.run(topic_info(asker, "/both"))
             assert text.startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
 
@@ -236,13 +238,13 @@ def test_it_waits_for_a_discovered_ros_2_program(asker, stranger):
 def test_it_waits_until_all_nodes_and_endpoints_are_known(asker, stranger, monkeypatch):
     monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 0.0)
 
-    async def told_in_the_meantime():
+    async def announced_in_the_meantime():
         waiting = asyncio.create_task(wait_for_graph(asker, timeout=60.0))
-        await asyncio.sleep(0)  # the first look
+        await asyncio.sleep(0)  # its first query
         stranger.announce(stranger.listing("late"))
         return await waiting
 
-    assert asyncio.run(told_in_the_meantime())
+    assert asyncio.run(announced_in_the_meantime())
     assert "late" in asker.get_node_names()
     stranger.announce(stranger.listing("late", writers=1))
     assert not settle(asker), "one of its publishers is still missing"

@@ -55,7 +55,7 @@ def fill(place):
 
 
 def size(place):
-    """Return the bytes of the files below a folder, which a second process may be filling."""
+    """Return the total size of the files in a folder [bytes], which a second process may be filling."""
     used = subprocess.run(["du", "-sb", place], check=False, capture_output=True, text=True).stdout
     return int(used.split()[0]) if used else 0
 

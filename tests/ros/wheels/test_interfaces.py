@@ -1,4 +1,4 @@
-"""Building interface packages: built ones can be used, and an error explains why one cannot be built."""
+"""Building interface packages: they can be used, or an error explains why one cannot be built."""
 
 import json
 import os
@@ -40,7 +40,7 @@ def listings(language):
 
 @pytest.fixture(scope="module")
 def prefix():
-    """A copy of the real ROS 2's folder, to build nothing into the learner's own."""
+    """A copy of the real ROS 2's folder, so that nothing is built into the learner's own."""
     problem = "" if interfaces.can_build() else folder.COMPILER
     problem = problem if folder.is_complete(folder.prefix()) else folder.how_to_get_it()
     if problem:

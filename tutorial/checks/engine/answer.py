@@ -1,4 +1,4 @@
-"""Inspect an answer: whether it is the kind of object needed, whether it has any code yet, and what it contains."""
+"""Inspect an answer: whether it is the required kind of object, whether it has any code yet, and what it contains."""
 
 import dis
 import inspect
@@ -26,16 +26,16 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     """Return an error message if an answer is not the kind of class or function that the exercise needs, otherwise "".
 
     Args:
-        answer: the given object.
+        answer: the learner's object.
         name: the answer's name in the exercise.
         base: the class that the answer has to inherit from, `object` for any class; None for a function.
         call: the call of the check, for instance ``"await drive.check"``.
     """
-    instead = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
+    instead = f"Pass the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, type) != (base is not None) or not callable(answer):
-        return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was given. {instead}"
+        return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was passed. {instead}"
     if base is not None and not issubclass(answer, base):
-        return f"{answer.__name__} does not inherit from {base.__name__}. Begin it with: class {name}({base.__name__}):"
+        return f"{answer.__name__} does not inherit from {base.__name__}. Define it as: class {name}({base.__name__}):"
     return ""
 
 

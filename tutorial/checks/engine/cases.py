@@ -1,4 +1,4 @@
-"""Cases and mistakes: the data of an exercise. They say what to try, and describe common wrong answers.
+"""Cases and mistakes: the data of an exercise. They define what to try, and describe common wrong answers.
 
 For instance::
 
@@ -26,11 +26,11 @@ CLOCK = "You probably read the computer's clock. Use only the time that you are 
 
 @dataclass(frozen=True)
 class Edit:
-    """A change of a source: every occurrence of a string is replaced.
+    """A change to a source: every occurrence of a string is replaced.
 
     Attributes:
         old: the string to replace.
-        new: the replacement. Its other lines are indented like the line that contains `old`.
+        new: the replacement. Its second and later lines are indented like the line that contains `old`.
     """
 
     old: str
@@ -56,7 +56,7 @@ def replace(old: str, *new: str) -> Ways:
 
     Args:
         old: the part. All its occurrences are replaced.
-        new: the replacements. Their other lines are indented like the line that contains `old`.
+        new: the replacements. Their second and later lines are indented like the line that contains `old`.
     """
     return tuple((Edit(old, each),) for each in new)
 
@@ -75,7 +75,7 @@ class Fault:
 
     Attributes:
         cause: the cause that the learner reads after "Most likely".
-        edits: the changes of the solution's source, in order.
+        edits: the changes to the solution's source, in order.
     """
 
     cause: str
@@ -95,7 +95,7 @@ class Mistake:
 
     Attributes:
         cause: the cause that the learner reads after "Most likely": what is wrong, and then what to do.
-        ways: the edits of the solution's source that lead to this mistake: `replace(...)`, `both(...)`, or several of
+        ways: the edits to the solution's source that lead to this mistake: `replace(...)`, `both(...)`, or several of
             these, joined by ``+``.
 
     Raises:
@@ -140,14 +140,14 @@ class Cases:
 
     Attributes:
         solution: the right answer. Its observations are the expected ones.
-        cases: the cases, in the order in which they run.
+        cases: the cases, in the order they run.
         mistakes: the known mistakes, the root causes first.
         meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
         describe: describes an observation.
-        beside: functions of the solution's module that mistakes can change, too.
-        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it is allowed to.
+        beside: functions of the solution's module that mistakes can also change.
+        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it may read it.
         on_ros: tries a right answer with rclpy's own node, and describes the result.
-        one_by_one: whether the first wrong observation ends the check.
+        one_by_one: whether the first wrong observation stops the check.
     """
 
     solution: Any

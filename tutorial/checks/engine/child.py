@@ -1,7 +1,7 @@
 """The process that judges an answer: ``python -m tutorial.checks.engine.child``.
 
 It reads the job from stdin, which stays open while the parent process lives. It writes the findings to stdout as lines
-of JSON, and ``done`` last. If Python crashes, its traceback goes to stdout, too, without waiting for any lock. The
+of JSON, and ``done`` last. If Python crashes, its traceback also goes to stdout, without waiting for any lock. The
 output of the learner's code goes to stderr. A watchdog checks ten times a second whether one of the learner's methods
 hangs. It counts its checks, not seconds, so a busy machine does not cause wrong verdicts.
 """
@@ -30,13 +30,13 @@ from tutorial.checks.engine.verdict import Finding, wrong
 
 LOOK = 0.1  # [s] between checks by the watchdog
 TIMEOUT = 15  # number of checks after which a running call counts as stuck
-BUDGET = 25  # number of checks that all calls of one method may take together
+BUDGET = 25  # number of checks that all calls to one method may take in total
 HALT = 5.0  # [s] without a check after which the watchdog itself counts as blocked
 
 
 def main() -> NoReturn:
-    """Judge the answer, and end the process."""
-    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered: each line is one write, so lines of two threads don't mix
+    """Judge the answer, and exit."""
+    report = os.fdopen(os.dup(1), "wb", 0)  # unbuffered: each line is one write, so lines from two threads don't mix
     os.dup2(2, 1)
     parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - stays open to the end
     module, name, sys.path[:], answer = pickle.load(parent)
@@ -60,7 +60,7 @@ def _findings(module: str, name: str, answer: bytes, instruments: Instruments) -
 
 
 def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) -> None:
-    """End the process if its parent has died, or if one of the learner's methods does not return."""
+    """Stop the process if its parent has died, or if one of the learner's methods does not return."""
     looks: Counter[Call] = Counter()
     sums: Counter[str] = Counter()
     while not select.select([parent], [], [], LOOK)[0]:
@@ -79,8 +79,8 @@ def _watchdog(instruments: Instruments, report: FileIO, parent: BufferedReader) 
 
 
 def _give_up(report: FileIO, trial: Trial, ident: int, method: str, stuck: bool) -> NoReturn:
-    """Report the method that does not return, with its current line, and end the process."""
-    text = f"{method} does not return" if stuck else f"every call of {method} takes too long"
+    """Report the method that does not return, with its current line, and exit."""
+    text = f"{method} does not return" if stuck else f"the calls to {method} take too long"
     _tell(report, wrong(text, endless(method), trial.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 

@@ -12,7 +12,7 @@ from tutorial.checks.engine.trial import Trial
 
 BEGAN = 1024.0  # [s] on the clock at its start; sums of powers of two are exact
 TURN = 2.0**-17  # [s] that each turn of the loop takes, so that time also passes in a loop around sleep(0)
-TURNS = 20  # turns of the loop after a timer: enough for the calls that it schedules, and the calls that they schedule
+TURNS = 20  # turns of the loop after a timer: enough for the calls that it schedules, and those that they schedule
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # asyncio's own text
 AT_ONCE = "You probably call it right away, with parentheses. Pass the function itself, such as self.land."
@@ -94,7 +94,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         self._trial.ahead += passed
 
     def _check(self) -> None:
-        """Refuse calls from other threads, as asyncio does in debug mode: otherwise they might never run."""
+        """Reject calls from other threads, as asyncio does in debug mode: otherwise they might never run."""
         if threading.get_ident() != self._thread and not self._trial.is_interleaved:
             raise RuntimeError(OTHER_THREAD)
 

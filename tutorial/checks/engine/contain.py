@@ -54,7 +54,7 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
 
 
 async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | None]:
-    """Run the process to its end. Return the reported lines, the learner's output, and the exit status."""
+    """Run the process until it exits. Return the reported lines, the learner's output, and the exit status."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
     ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
@@ -104,7 +104,7 @@ def _findings(told: Sequence[bytes], files: Collection[str], status: int | None)
         status: the exit status.
     """
     findings = [msgspec.json.decode(line, type=Finding) for line in told if line.startswith(b"{")]
-    if DONE not in told:  # then the other lines are Python's own traceback
+    if DONE not in told:  # the other lines are then Python's own traceback
         findings.append(_bad_end(b"".join(told).decode(errors="replace"), files, status or 0))
     return tuple(findings)
 
@@ -116,7 +116,7 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
         text, cause = "Python itself hangs", "A call into C code probably did not return, and blocked all threads."
     elif status >= 0:
         text = f"the process exited with status {status}"
-        cause = "You probably exit from the whole process, as os._exit does. A controller only returns."
+        cause = "You probably exit the whole process, as os._exit does. A controller only has to return."
     else:
         text = f"the process was killed by the signal {signal.Signals(-status).name}"
         cause = "Something outside of Python probably failed, such as a wrong call into a C library."

@@ -1,4 +1,4 @@
-"""Diagnose: find out why an answer is wrong, by comparing it with the solution with and without known mistakes.
+"""Diagnose: find out why an answer is wrong, by comparing it with the solution and its twins, which contain mistakes.
 
 The diagnosis is the smallest set of mistakes that makes the solution behave like the answer in every case.
 """
@@ -15,7 +15,7 @@ from tutorial.checks.engine.slips import another, missing
 from tutorial.checks.engine.twins import Twins
 from tutorial.errors import TutorialError
 
-LONGEST = 20.0  # [s] limit for trying mistakes, so that the check ends even on a busy machine
+LONGEST = 20.0  # [s] limit on trying mistakes, so that the check ends even on a busy machine
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
 
 
@@ -24,8 +24,8 @@ class Why(Enum):
 
     CLOCK = auto()  # the answer reads the computer's clock
     MEANING = auto()  # see `Case.meaning`
-    CRASH = auto()  # the answer raised an exception, and the case's meaning explains it; the check ends here
-    EXCEPTION = auto()  # the answer raised an exception that only its own message explains; the check ends here
+    CRASH = auto()  # the answer raised an exception, and the case's meaning explains it; the check stops here
+    EXCEPTION = auto()  # the answer raised an exception that only its own message explains; the check stops here
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
     Args:
         seen: the observations.
         twins: tries the solution with mistakes.
-        most: how many mistakes may be combined.
+        most: the maximum number of mistakes to combine.
     """
     odd = [each for each in seen if each.is_odd]
     if not odd:
@@ -135,7 +135,7 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
 
 
 class _Search:
-    """The candidates for an explanation, in the order in which they are tried.
+    """The candidates for an explanation, in the order they are tried.
 
     A candidate is tried first in the last odd case, which usually reveals the most. Slips are left out if only one case
     is odd or an exception was raised: too many of them would fit.
@@ -158,10 +158,10 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield pairs of mistakes: one leads to the last odd observation, or both make that case wrong.
+        """Yield pairs of mistakes where one leads to the last odd observation, or both make that case wrong.
 
-        There are no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a
-        pair would only be a guess.
+        Yield no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a pair
+        would only be a guess.
         """
         cases = self._twins.cases
         if self._seen[0].failed or cases.one_by_one or 2 * len(self._seen) < len(cases.cases):

@@ -20,7 +20,7 @@ _RETURNS = {
     "aim": _STEPS,
     "unconfigure": "To wait until a thread has ended, join it. An empty queue does not mean that the thread has ended.",
     "update": "{} runs on the main thread, which does nothing else until it returns: draw, and return.",
-    "callback": "{} is a callback: keep the message or post a call, and return. Never wait or loop in a callback.",
+    "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
 """By method name, why the method must return at once."""
 _PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node, config.node, and shuts rclpy down."
@@ -32,8 +32,8 @@ _KEEP = {
 }
 _UNSET = "You probably read it before anything has set it: "
 _LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as there is a subscription."
-_CLASS = "You probably forgot the parentheses: {0} alone is the class, {0}(...) makes an object of it."
-_GENERAL = "Fix this line first. The check has not tried anything after it."
+_CLASS = "You probably forgot the parentheses: {0} is the class, {0}(...) creates an object."
+_GENERAL = "Fix this line first. The check stopped here."
 _CAUSES = {
     r"RuntimeError: .*event loop": "You probably use the event loop outside of the main thread. Post a call, "
     "self.call_later(self.update, message): the posted call can use the loop.",

@@ -49,7 +49,7 @@ class Instruments:
         self._replaced.close()
 
     def begin(self, answer: Any, watched: Collection[str] | None = None, is_timed: bool = True) -> Trial:
-        """Begin a new current trial. See `Trial` for the arguments."""
+        """Begin a new trial, and make it the current one. See `Trial` for the arguments."""
         self.trial = Trial(answer, watched, is_timed, self._kept)
         return self.trial
 

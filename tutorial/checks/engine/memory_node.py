@@ -16,11 +16,11 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 
 IN_STOP = "You probably destroy it in stop, so it is missing after a restart. Destroy it in unconfigure."
-THE_NODE = "config.node belongs to the whole program. In unconfigure destroy only the {0}: {1}."
+THE_NODE = "config.node belongs to the whole program. In unconfigure, destroy only the {0}: {1}."
 TOO_MANY = (
-    "You probably make one at every start, or super().configure(config) makes another. Make one {0}, in configure."
+    "You probably create one at each start, or super().configure(config) creates another. Create one {0}, in configure."
 )
-LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not reach the node."
+LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not notify the node."
 
 
 class Endpoint:
@@ -65,7 +65,7 @@ class MemoryNode:
     """The part of rclpy's node that a controller uses. No message leaves it.
 
     Args:
-        trial: records that the answer makes a timer.
+        trial: records whether the answer makes a timer.
         publish: called with a publisher and each message that it publishes.
         namespace: the node's namespace.
 
@@ -158,4 +158,4 @@ def _check_callback(callback: Any, message_type: type) -> None:
         raise Misuse(text, AT_ONCE.format(f"on{name}"))
     if inspect.iscoroutinefunction(callback):
         text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
-        raise Misuse(text, "Write def, not async def. In a callback, keep the message or post a call, and return.")
+        raise Misuse(text, "Write def, not async def. In a callback, store the message or post a call, and return.")

@@ -18,7 +18,7 @@ NOTHING = "no message"
 IN_CONFIGURE = "You probably create it in initialize, which runs at every start. Create it once, in configure."
 TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
 ALL_JOINTS = "you hard-code the joints' names, or their number. Use all joints of the body: io.body.joints."
-SHARED_BY_ROBOTS = "You probably keep something on the class, which all robots share. Set it on self, in initialize."
+SHARED_BY_ROBOTS = "You probably store something on the class, which all robots share. Set it on self, in initialize."
 RESTART = "You probably keep state from the previous run, or count steps or time from 0. Time continues after stop."
 
 # Returns an observation, given the rig and the sent messages.
@@ -68,7 +68,7 @@ class Publishing:
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
-        topic = f"You probably use a different topic or type. In configure write {made}, without a leading slash."
+        topic = f"You probably use a different topic or type. In configure, write {made}, without a leading slash."
         condition = f"You probably test a different condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
@@ -79,7 +79,7 @@ class Publishing:
 
     def _mistakes(self) -> list[Mistake]:
         return [
-            Mistake("you use the displayed copy, config.body, on which nothing moves. The simulated body is io.body.",
+            Mistake("you use the displayed copy, config.body, where nothing moves. The simulated body is io.body.",
                     both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
                          replace("self.io = io", "self.io, io.body = io, self.shown"))),
             Mistake(f"you publish at every step. Publish only if {self.when}.",
@@ -103,7 +103,7 @@ class Publishing:
     @property
     def _stamp(self) -> str:
         return (
-            "The stamp is probably missing, counted, or from a different clock, or sec and nanosec don't belong "
+            "The stamp is probably missing, a count, or from a different clock, or sec and nanosec don't belong "
             f"together: nanosec restarts at 0 every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
@@ -167,7 +167,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Return whether messages were sent from the start, and at the right rate, up to rounding to whole steps."""
+        """Return whether messages were sent from the start, and at the right rate up to rounding to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
@@ -177,8 +177,8 @@ class Publishing:
         """Compare the stamps with the times of sending, with steps of 6 ms."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
         if not sent:
-            cause = f"You probably count from 0, but a run can begin at any step. Publish when {self.when}."
-            raise Failure("control", Misuse("it publishes nothing if the simulation begins at step 1", cause))
+            cause = f"You probably count from 0, but a run can start at any step. Publish when {self.when}."
+            raise Failure("control", Misuse("it publishes nothing if the simulation starts at step 1", cause))
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, trial: Trial, **options: Any) -> Any:
@@ -221,7 +221,7 @@ class Publishing:
 
 
 def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any], str]) -> Any:
-    """Describe the first wrong value, and return the description together with all values.
+    """Return a description of the first wrong value, with all values; or `right` if no value is wrong.
 
     Args:
         pairs: the sent values, each with the expected value.
@@ -233,7 +233,7 @@ def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any],
 
 
 def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
-    """Describe stamps [ns], each given with the expected stamp [ns]."""
+    """Describe stamps [ns], each paired with the expected stamp [ns]."""
     if not pairs:
         return NOTHING
     if any(stamp > 10**18 for stamp, _ in pairs):

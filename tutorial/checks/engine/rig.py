@@ -19,7 +19,7 @@ from tutorial.controller import ControllerConfig, ControllerIO
 QUIET = 0.05  # [s]; threads that publish nothing for this long have probably finished
 
 APART = (
-    "You probably publish from a timer or a thread, on the wall clock. Publish in control, and count steps: io.step."
+    "You probably publish from a timer or a thread, by the wall clock. Publish in control, and count steps: io.step."
 )
 
 
@@ -56,15 +56,15 @@ class Rig:
     Attributes:
         trial: the trial that the rig belongs to.
         learner: the learner's controller.
-        io: the controller's argument of `initialize`, which holds the current step.
+        io: the argument of the controller's `initialize`, which holds the current step.
         displayed, body: the displayed and the simulated body.
         node: the learner's node.
         sent: the published messages.
         begun: the step of the last start.
-        has_threads: whether threads of the learner's were running at the last stop.
+        has_threads: whether any of the learner's threads were running at the last stop.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. All methods of a rig raise this, too.
+        Failure: one of the learner's methods raised an exception. Every method of a rig can also raise this.
     """
 
     def __init__(

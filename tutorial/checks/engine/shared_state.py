@@ -103,7 +103,7 @@ def pickled(value: Any) -> bytes:
 
 
 def _state(value: Any) -> object:
-    """Return a fingerprint: it stays equal until the value changes."""
+    """Return a fingerprint that changes when the value changes."""
     try:
         return pickled(value)
     except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects

@@ -19,7 +19,7 @@ CHANGED = (
 
 
 class Call:
-    """A call of one of the learner's methods that has not returned yet.
+    """A call to one of the learner's methods that has not returned yet.
 
     Args:
         method: the method's name.
@@ -30,12 +30,12 @@ class Call:
 
 
 class Trial:
-    """One run of an answer in one case. The case receives it, and it records what the answer does.
+    """One run of an answer in one case. The case receives the trial, which records what the answer does.
 
     Args:
         answer: the learner's class or function, or the solution, with or without mistakes in it.
         watched: the files whose code is observed; by default the files that contain the answer.
-        is_timed: whether the total time of a method's calls is limited, too.
+        is_timed: whether the total time of all calls to a method is also limited.
         kept: objects of earlier trials that later trials can reuse.
 
     Attributes:
@@ -71,7 +71,7 @@ class Trial:
             return function(*arguments)
 
     def ask(self, *given: Any, read: Callable[[Any], Any], wanted: str) -> Any:
-        """Call the answer, a function, and read its result.
+        """Call the answer, which is a function, and read its result.
 
         Args:
             given: the arguments, which the answer must not change.
@@ -79,7 +79,7 @@ class Trial:
             wanted: what the answer should return, as a sentence.
 
         Raises:
-            Failure: the answer raised an exception, returned something unreadable, or changed its arguments.
+            Failure: the answer raised an exception, returned something that `read` rejects, or changed its arguments.
         """
         before = [*map(str, given)]
         with self.calling(name_of(self.answer)):
@@ -88,7 +88,7 @@ class Trial:
             if changed:
                 raise Misuse(f"it changes its argument, the {changed[0]}", CHANGED)
             if isinstance(returned, Iterator):
-                wanted = f"yield and parentheses make an iterator. {wanted}"
+                wanted = f"yield, or a comprehension in parentheses, makes an iterator. {wanted}"
             else:
                 with suppress(AttributeError, TypeError, ValueError):
                     return read(returned)
@@ -98,7 +98,7 @@ class Trial:
 
     @contextmanager
     def calling(self, method: str) -> Iterator[None]:
-        """Run the learner's code as a call of the given method. Thread-safe.
+        """Run the learner's code as a call to the given method. Thread-safe.
 
         Raises:
             Failure: the code raised an exception, or slept, which no method may do.

@@ -29,14 +29,14 @@ SECONDS = (
 )
 PARENTHESES = "You probably call it right away, with parentheses. Pass the function itself, then its arguments."
 TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
-COROUTINE = "Write def, not async def. If it has to wait, make it start a task: asyncio.create_task(...)."
+COROUTINE = "Write def, not async def. If it has to wait, have it start a task: asyncio.create_task(...)."
 ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 
 
 class _Guard(ThreadGuard):
     """A guard that raises no exceptions, but records ``"touch"`` if a thread other than the main one uses the body.
 
-    This way the check also sees what the code does next, for example that it posts a method's return value.
+    This way, the check also sees what the code does next, for example that it posts a method's return value.
     """
 
     def __init__(self, name: str, trial: Trial) -> None:
@@ -66,7 +66,7 @@ class Viewer:
         shown: the observers' view of the body at each change: its position, and whether its links had followed.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. All methods of a viewer raise this, too.
+        Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this.
     """
 
     def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
@@ -115,13 +115,13 @@ class Viewer:
         self.loop.advance(seconds)
         self._tell()
         if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
-            raise Failure("the posted call", Misuse("it posts another call each time it runs, without end", ENDLESS))
+            raise Failure("the posted call", Misuse("it posts another call every time it runs, endlessly", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Call `unconfigure`, drop the waiting calls, and describe where the body is afterwards.
 
         Args:
-            messages: messages that arrive just before, on the blocked main thread.
+            messages: messages that arrive just before, while the main thread is blocked.
         """
         self.shown.clear()
 
@@ -160,7 +160,7 @@ class Viewer:
         return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))
 
     def _run(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call one of the learner's functions, and keep any failure that it raises."""
+        """Call one of the learner's functions, and store any failure that it raises."""
         try:
             with self.trial.calling(name_of(function)):
                 made = function(*arguments)
@@ -171,7 +171,7 @@ class Viewer:
             self._failures.append(failure)
 
     def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
-        """Keep an error that asyncio reports for code running on the loop."""
+        """Store an error that asyncio reports for code running on the loop."""
         error = context.get("exception") or RuntimeError(context["message"])
         if not isinstance(error, Failure):
             error = self.trial.failure("code on the loop", error)
@@ -189,7 +189,7 @@ class Viewer:
         self._scope.call_latest(key, self._run, function, *arguments)
 
     def _tell(self) -> None:
-        """Raise the first kept failure, or a failure if the learner's code used the body on a different thread."""
+        """Raise the first stored failure, or a failure if the learner's code used the body on a different thread."""
         failures, self._failures = self._failures, []
         noted = self.trial.noted
         for failure in failures[:1]:
@@ -202,7 +202,7 @@ class Viewer:
 
 
 def _check_callable(function: Any) -> None:
-    """Refuse to post an object that cannot be called.
+    """Reject an object that cannot be called.
 
     Raises:
         Misuse: the object cannot be called.

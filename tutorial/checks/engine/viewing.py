@@ -17,12 +17,12 @@ Step = Callable[[Any], str | None]
 POST = "self.call_later(self.update, message)"
 BESIDE = "You probably post from your own timer or thread. Post in the callback, once for each message."
 
-SHARED_BY_VIEWERS = "You probably keep something on the class, which all viewers share. Set it on self, in configure."
-ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure write {}."
-NOT_POSTED = ("You probably drop some messages, for instance every second one, or post no calls at all. "
+SHARED_BY_VIEWERS = "You probably store something on the class, which all viewers share. Set it on self, in configure."
+ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure, write {}."
+NOT_POSTED = ("You probably drop some messages, for instance every other one, or post no calls at all. "
               "Post a call for each message, {}, and show it.")  # fmt: skip
 MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
-         "After every move of the body call these two, in this order.")  # fmt: skip
+         "After every move of the body, call these two, in this order.")  # fmt: skip
 PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call still runs after the controller has left "
                   "its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
 
@@ -54,7 +54,10 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(*messages: Any) -> Step:
-    """Make a step that observes for how many messages the callback posts a call, without its own timer or thread."""
+    """Make a step that counts the messages for which the callback posts a call.
+
+    The step fails if the callback starts its own timer or thread.
+    """
 
     def step(viewer: Viewer) -> str:
         before, noted = viewer.loop.posted, viewer.trial.noted
@@ -70,7 +73,7 @@ def hands_over(*messages: Any) -> Step:
 
 
 def side_by_side(*done: Step) -> Step:
-    """Make a step in which a tank and the crane Lift take turns with these steps."""
+    """Make a step in which the tank and the crane Lift perform these steps in turn."""
 
     def step(tank: Viewer) -> str:
         with closing(tank.another("crane", "Lift")) as lift:
@@ -95,7 +98,7 @@ def viewing(
     Args:
         solution: the right answer.
         topic: the topic of the subscription, without the body's name.
-        message: a message that a right answer finally receives through rclpy's own node.
+        message: a message that a right answer receives at the end, through rclpy's own node.
         arrivals: steps that deliver messages; the last one is made by `hands_over`.
         cases: the exercise's own cases, in order.
         post: the solution's statement that posts a call.

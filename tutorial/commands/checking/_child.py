@@ -1,8 +1,8 @@
 """The process that reads a notebook, or judges one of its answers: ``python -m tutorial.commands.checking._child``.
 
-Its arguments are the notebook's file descriptor, the limit of processor time per process [s], whether it is in a
+Its arguments are the notebook's file descriptor, the CPU time limit per process [s], whether this process is in a
 sandbox, and optionally the name of an exercise. With a name it judges the answer, otherwise it lists the exercises. It
-writes one message to stdout, and ends when its parent does.
+writes one message to stdout, and exits when its parent does.
 """
 
 import asyncio
@@ -27,7 +27,7 @@ UNDEFINED = "The answer probably depends on a cell that only works in a running 
 
 
 def main() -> NoReturn:
-    """Read a notebook or judge an answer, write the message, and exit before more code of the answer can run."""
+    """Read a notebook or judge an answer, write the message, and exit before any more of the answer's code can run."""
     notebook, seconds, is_sandboxed, *exercise = sys.argv[1:]
     os.set_inheritable(int(notebook), False)
     report = os.dup(1)
@@ -43,7 +43,7 @@ def main() -> NoReturn:
 
 
 def _end_with_the_teacher() -> None:
-    """Wait until the teacher's process closes stdin or ends, and then end all processes here."""
+    """Wait until the teacher's process closes stdin or exits, then kill this process and its children."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
     os._exit(1)  # the sandbox's first process survives its own signal; when it exits, all other processes end

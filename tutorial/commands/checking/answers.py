@@ -42,7 +42,7 @@ class Answer(NamedTuple):
     def define(self) -> Any:
         """Run the statements in a namespace as in a notebook, and return the value of the argument.
 
-        Failing statements are skipped: as in a notebook, earlier definitions stay.
+        Statements that fail are skipped, so earlier definitions remain, as in a notebook.
 
         Raises:
             Exception: the argument cannot be evaluated. If a name is missing, this is the error of the last failed
@@ -153,7 +153,7 @@ def _answer(
 
 
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
-    """Collect the statements that define names, recursively: only the ones before a position if there are any."""
+    """Collect the statements that define names, recursively. For each name, prefer those before a position, if any."""
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)
     while waiting:

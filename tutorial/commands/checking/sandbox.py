@@ -1,4 +1,4 @@
-"""The sandbox for processes that run a stranger's code. It uses bubblewrap, as Flatpak does.
+"""The sandbox for processes that run untrusted code. It uses bubblewrap, as Flatpak does.
 
 It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; a
 network with only its own loopback; and processes that are all killed when the first one ends. It needs Linux, the
@@ -41,7 +41,7 @@ NO_SANDBOX = (
 
 
 def sandbox(folder: str) -> list[str]:
-    """Return the words to put before a command to run it in a sandbox.
+    """Return the arguments to put before a command to run it in a sandbox.
 
     Args:
         folder: the writable folder. Files written there are invisible outside the sandbox.
@@ -76,12 +76,12 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
     """Limit the resources of this process and its children.
 
     Args:
-        seconds: the limit of processor time per process [s].
+        seconds: the CPU time limit per process [s].
         is_sandboxed: whether to limit the number of processes in the sandbox, and refuse some system calls.
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():
-        with suppress(ValueError, OSError):  # macOS has no limit on address space; a lower limit can already exist
+        with suppress(ValueError, OSError):  # macOS cannot limit the address space; a lower limit can already be set
             resource.setrlimit(what, (most, most))
     if is_sandboxed:
         _refuse()

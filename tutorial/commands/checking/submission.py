@@ -20,7 +20,7 @@ from tutorial.system.parent_watch import signal_group
 from tutorial.system.paths import PACKAGE
 
 LARGEST = 50 << 20  # maximum size of a notebook in bytes
-OUTLAST = 4  # limit of processor time, as a multiple of the time limit, for answers with several threads
+OUTLAST = 4  # the CPU time limit as a multiple of the time limit: an answer can use several threads
 MEMORY = 8 << 30  # [bytes] limit for the total address space of an answer's processes, including shared memory
 LOOK = 0.1  # [s] between checks of the memory
 UNREAD = "it could not be read: the reading process crashed or took too long"
@@ -31,7 +31,7 @@ KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
-"""Prefixes of the variables that a learner's code can see; other variables can contain keys and passwords."""
+"""Prefixes of the environment variables that a learner's code can see; others may contain keys and passwords."""
 
 
 T = TypeVar("T", Judged, Opened)
@@ -68,7 +68,7 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
-    """Judge one answer; the verdict reports an answer that takes too long, or ends or disturbs its process."""
+    """Judge one answer; the verdict reports an answer that takes too long, or that ends or disturbs its process."""
     try:
         return await _told(Judged, path, limit, is_sandboxed, exercise)
     except (EOFError, TimeoutError, ValueError, RecursionError) as error:
@@ -90,7 +90,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             *(sandbox(folder) if is_sandboxed else ()),
             *(sys.executable, "-P", "-m", "tutorial.commands.checking._child"),
             *map(str, (file.fileno(), math.ceil(OUTLAST * limit), is_sandboxed, *exercise)),
-            stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process is gone
+            stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process has exited
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
             limit=1 << 16,  # bytes per message
@@ -104,7 +104,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             async with asyncio.timeout(limit):
                 process = await asyncio.shield(starting)
                 assert process.stdout is not None
-                looking = asyncio.create_task(_bound_memory(process.pid))  # ends with the process, too
+                looking = asyncio.create_task(_bound_memory(process.pid))  # also ends when the process does
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
                 looking.cancel()

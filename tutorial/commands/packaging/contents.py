@@ -119,8 +119,8 @@ def _controller(file: Path, only: str | None) -> dict[str, str]:
         only: the name of its class; None if the file defines only one.
 
     Raises:
-        TutorialError: the file is missing or fails, it defines several controllers or none of this name, or no project
-            of the course has one of this name.
+        TutorialError: the file is missing or fails; it defines several controllers, or no controller of this name; or
+            no project of the course has a controller of this name.
     """
     found = load_controllers(file, only)
     bases = {base for controller in found.values() for base in controller.__mro__[1:]}
@@ -144,11 +144,14 @@ def _project_for(name: str) -> Project:
     """Find the course's first project that has a controller of this name.
 
     Raises:
-        TutorialError: no project has one.
+        TutorialError: no project has such a controller.
     """
     known: set[str] = set()
     for path in sorted((HOME / "project").glob("step*.yaml"), key=lambda path: (len(path.stem), path.stem)):
-        project = Project.load(path)
+        try:
+            project = Project.load(path)
+        except TutorialError:  # step 10 needs a real ROS 2, and so does a TankServer of the user's own
+            continue
         names = {each.__name__ for item in project.bodies for each in item.controllers}
         if name in names:
             return project

@@ -62,7 +62,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         self._hits.value = f"ended. {_words(self.made)}"
 
     def _on_share(self, _change: object) -> None:
-        """Set the shares for the node's thread, which reads them with the next message. Thread-safe."""
+        """Set the shares for the node's thread, which reads them when it publishes the next message. Thread-safe."""
         self._stream.chaos.faults = {name: slider.value for name, slider in self.sliders.items() if slider.value}
 
     def _on_reset(self, _button: object) -> None:
@@ -88,4 +88,4 @@ def _row(name: str, slider: Any) -> HBox:
 
 def _words(made: dict[str, int]) -> str:
     hit = ", ".join(f"{name} {count}" for name, count in made.items() if count)
-    return f"messages hit: {hit or 'none'}"
+    return f"affected messages: {hit or 'none'}"

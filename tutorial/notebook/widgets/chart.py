@@ -100,7 +100,7 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
     Args:
         root: the picture.
         x_range: the smallest and the largest x.
-        most: the largest number of lines.
+        most: the maximum number of lines.
         across: the horizontal positions of the smallest and the largest x [px].
         down: the vertical positions of the lines' ends [px].
         label: the axis label.
@@ -134,7 +134,7 @@ def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
     Args:
         low: the lower bound.
         high: the upper bound.
-        most: the largest number of intervals.
+        most: the maximum number of intervals.
 
     Returns:
         The distance between ticks, and the ticks.
@@ -155,11 +155,11 @@ def tick_text(value: float, step: float) -> str:
 
 
 def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
-    """Remove points that would not be visible, keeping the lowest and the highest of each stretch.
+    """Remove points that would not be visible, but keep the lowest and the highest point of each section.
 
     Args:
         points: the points, sorted by x.
-        most: the number of points to keep, at most.
+        most: the maximum number of points to keep.
     """
     if len(points) <= most:
         return points

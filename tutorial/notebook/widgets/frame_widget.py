@@ -62,7 +62,7 @@ class FrameWidget(CellWidget):
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> bool:
-        """Send a frame if any view keeps up, and return whether one does. Main thread only.
+        """Send a frame if any view keeps up, and return whether any does. Main thread only.
 
         Args:
             content: the binary content.
@@ -77,7 +77,7 @@ class FrameWidget(CellWidget):
         return True
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
-        """Handle a page's message. It can arrive on any thread, so this posts work for the main thread."""
+        """Handle a page's message. It can arrive on any thread, so this method posts work for the main thread."""
         CellWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):
@@ -89,7 +89,7 @@ class FrameWidget(CellWidget):
                     self._seen.pop(view, None)
 
     def _note(self, view: str, frame: int) -> bool:
-        """Record the last frame that a view has seen; return False if the view is no longer sent frames."""
+        """Record the last frame that a view has seen; return False if the widget no longer sends it frames."""
         with self._lock:
             if view in self._seen:
                 self._seen[view] = frame

@@ -42,7 +42,7 @@ def picture(topology: Topology) -> tuple[str, str]:
 class _Shape:
     """An ellipse with a node's name, or a box with a topic's name, and a small note below the name.
 
-    Nodes with the same name share an ellipse, with a note of their number.
+    Nodes with the same name share an ellipse, whose note gives their number.
     """
 
     name: str

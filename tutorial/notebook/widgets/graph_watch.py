@@ -17,7 +17,7 @@ from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, message_class
 
-MOST = 40  # the largest number of nodes, and of topics, to show
+MOST = 40  # the maximum number of nodes, and of topics, to show
 LOOKS_KEPT = 7  # the number of counts that a topic's rate is computed from
 DEPTH = 100  # messages that can wait for the executor; if there are more, some are not counted
 
@@ -72,7 +72,7 @@ class GraphWatch:
         self._known: set[str] = set()
 
     def look(self) -> Topology:
-        """Query the graph, which takes some milliseconds, or longer for a large graph. Runs on the executor's thread.
+        """Query the graph, which takes a few milliseconds, or longer for a large graph. Runs on the executor's thread.
 
         If there are too many topics, the topics of the last query take precedence.
         """
@@ -91,7 +91,7 @@ class GraphWatch:
     def _nodes(self, on_topics: set[str]) -> tuple[dict[str, int], int]:
         """Count the nodes by name, preferring nodes on topics; return the counts, and the number of names left out.
 
-        A node that publishes or subscribes counts as one even before discovery has found its name.
+        A node that publishes or subscribes is counted even before discovery has found its name.
         """
         names = (full_name(*each) for each in self._node.get_node_names_and_namespaces())
         counts = Counter(escape_name(name) for name in names if not is_hidden(name))
@@ -140,6 +140,6 @@ class _RateMeter:
 
 
 def _visible(infos: list[TopicEndpointInfo]) -> tuple[str, ...]:
-    """Return the full names of the endpoints' nodes, sorted, without duplicates and hidden nodes."""
+    """Return the full names of the endpoints' nodes, sorted, without duplicates or hidden nodes."""
     names = {full_name(info.node_name, info.node_namespace) for info in infos}
     return tuple(sorted(escape_name(name) for name in names if not is_hidden(name)))

@@ -89,7 +89,7 @@ def _frame(message: Image) -> Frame:
     size = len(message.data)
     if not 0 < width * height <= LARGEST or step < row or size < step * height:
         return _no_picture(
-            f"{width} x {height} pixels of {encoding}, in rows of {step} bytes, {size} in all: not shown"
+            f"{width} x {height} pixels of {encoding}, in rows of {step} bytes, {size} bytes in all: not shown"
         )
     rows = np.frombuffer(message.data, np.uint8, step * height).reshape(height, step)
     stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9

@@ -17,8 +17,8 @@ from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] length of the time axis
-DRAW_EVERY = 0.1  # [s] minimum time between drawings
-SHARE = 0.1  # the largest share of the main thread's time spent on drawing
+DRAW_EVERY = 0.1  # [s] minimum time between redraws
+SHARE = 0.1  # the largest fraction of the main thread's time to spend on drawing
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad]; larger positions, such as infinity, are not drawn
@@ -61,7 +61,7 @@ class JointPlot(LivePicture):
         self.calls.call_latest("news", self._draw_soon)
 
     def _draw_soon(self) -> None:
-        """Schedule a drawing, unless one is scheduled already. Main thread only."""
+        """Schedule a redraw, unless one is already scheduled. Main thread only."""
         if not self._is_due:
             self._is_due = True
             asyncio.get_running_loop().call_at(self._draw_from, self._draw)

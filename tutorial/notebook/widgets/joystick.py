@@ -27,7 +27,7 @@ class _Sticks(Struct, tag="sticks"):
 class Joystick(NodeWidget):
     """Two sticks in a cell, whose own node, ``joystick``, publishes them on ``joy`` at 50 Hz.
 
-    It publishes from the node's thread, and so can drive the tank even while a cell is busy. The values follow the
+    It publishes from the node's thread, so it can drive the tank even while a cell is busy. The values follow the
     ROS 2 joy package's ``game_controller_node``: left and forward are +1. If the page stops sending while a stick is
     held, the sticks count as released. After a minute without the page, nothing is published, as with an unplugged
     joystick.
@@ -50,7 +50,7 @@ class Joystick(NodeWidget):
         return self._now().axes
 
     def end(self) -> None:
-        """Release the sticks, publish that, and destroy the node. Idempotent; main thread only."""
+        """Release the sticks, publish their neutral state, and destroy the node. Idempotent; main thread only."""
         if not self.ended:
             self.ended = True
             self._publish()

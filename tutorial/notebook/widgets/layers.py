@@ -24,7 +24,7 @@ class Layout:
     Attributes:
         places: the centre of each vertex.
         lanes: for each edge, the points where it enters and leaves each layer that it passes, in its direction.
-        size: the width and height of the layout, with shapes no higher than a row.
+        size: the width and height of the layout, with shapes no taller than a row.
     """
 
     places: dict[Vertex, Place]

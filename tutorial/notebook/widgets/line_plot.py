@@ -1,4 +1,4 @@
-"""A plot of values over time."""
+"""A plot of values against time."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -11,7 +11,7 @@ NOTHING = "cannot plot this: {}. Give each curve as many values as times: {{name
 
 
 def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], unit: str) -> Picture:
-    """Draw curves over time.
+    """Plot values against time.
 
     Args:
         curves: for each name, ascending times [s] and the same number of values, such as NumPy arrays.
@@ -19,7 +19,7 @@ def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], uni
 
     Raises:
         TutorialError: there are no curves, or more than eight; or a curve has no points, a number that is not finite,
-            or a different number of values than of times.
+            or different numbers of times and values.
     """
     if not 0 < len(curves) <= MOST_CURVES:
         raise TutorialError(NOTHING.format(f"{len(curves)} curves, but 1 to {MOST_CURVES} are supported"))

@@ -18,8 +18,8 @@ class NodeGraph(LivePicture):
     """Draws nodes, topics, publishers and subscribers twice a second.
 
     Create it on the main thread while its event loop is running. It hides nodes whose names begin with an underscore,
-    such as its own, and the topics that every node has. To measure rates, it subscribes to the topics: ``ros2 topic
-    info`` counts these subscriptions.
+    such as its own, and the topics that every node has. To measure rates, it subscribes to the topics, so ``ros2
+    topic info`` counts these subscriptions.
 
     Raises:
         TutorialError: no event loop is running.

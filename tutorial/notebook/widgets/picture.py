@@ -8,12 +8,12 @@ from tutorial.view.assets import read_static
 
 
 class Picture(CellWidget):
-    """Shows an SVG in a cell, and replaces it with every later one.
+    """Shows an SVG in a cell, and replaces it with each later one.
 
-    Only shapes and text get into the page: scripts, links and everything else are removed.
+    Only shapes and text reach the page: scripts, links and everything else are removed.
 
     Args:
-        svg: the picture; empty if there is none yet.
+        svg: the picture; empty if there is no picture yet.
         alt: a description of the picture for screen readers.
         name: the picture's subject, for the ``repr``.
 

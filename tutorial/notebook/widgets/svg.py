@@ -24,7 +24,7 @@ def new_picture(width: float, height: float, widest: float = 0.0) -> Element:
 
     Args:
         width, height: the picture's size [px].
-        widest: the picture grows with its cell up to this width [px]; 0 for one that doesn't grow.
+        widest: the picture grows with its cell up to this width [px]; 0 for a picture that doesn't grow.
     """
     root = Element("svg", xmlns="http://www.w3.org/2000/svg", viewBox=f"0 0 {_number(width)} {_number(height)}")
     root.set("width", _number(width))

@@ -38,7 +38,7 @@ class BagTopic(NamedTuple):
 
 
 class _Information(msgspec.Struct):
-    """The fields that are read from a bag's ``metadata.yaml``; its files contain all other fields, too."""
+    """The fields that are read from a bag's ``metadata.yaml``; the bag's files contain the other fields as well."""
 
     message_count: int | None = None
     compression_mode: str = ""
@@ -61,7 +61,7 @@ class Bag:
         storage: ``"mcap"`` or ``"sqlite3"``.
         distro: the ROS 2 distribution that wrote it, such as ``"jazzy"``; empty if unknown.
         channels: descriptions of its topics, by name.
-        start, end: when the first and the last message were received, since 1970 [ns]; 0 without messages.
+        start, end: when the first and the last message were received, since 1970 [ns]; 0 if there are none.
 
     Raises:
         TutorialError: there is no bag, or nothing in it can be read.
@@ -116,7 +116,7 @@ class Bag:
         """Return the description of a topic.
 
         Args:
-            topic: its name. The leading slash is optional, and can be missing in the bag, too.
+            topic: its name. The leading slash is optional, and may also be missing in the bag.
 
         Raises:
             TutorialError: there is no such topic.

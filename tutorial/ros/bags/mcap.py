@@ -77,7 +77,7 @@ class McapWriter:
         self._ids[topic] = self._writer.register_channel(topic, channel.encoding, self._schemas[kind], words)
 
     def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:
-        """Write a message; it is in the file after `flush`, if not before."""
+        """Write a message. It reaches the file with the next `flush` at the latest."""
         self._writer.add_message(self._ids[topic], received_ns, payload, sent_ns)
 
     def flush(self) -> None:

@@ -28,7 +28,7 @@ SETTLE_FOR = 0.3  # [s] that a discovered subscription takes, with Fast DDS, to 
 LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: a bag with one message would keep a core busy
 LONGEST_WAIT = 1.0  # [s] between progress reports
 LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
-ACKNOWLEDGED_IN = 1.0  # [s], maximum
+ACKNOWLEDGED_IN = 1.0  # [s] the longest wait for acknowledgements
 
 _log = logging.getLogger(__name__)
 
@@ -83,7 +83,7 @@ class Player:
         self._refused: set[str] = set()
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
-        """Play to the end, or until stopped. This blocks, so don't call it on a thread whose event loop is running.
+        """Play to the end, or until stopped. This method blocks: don't call it on a thread whose event loop is running.
 
         Playing starts when the node graph is known and all existing subscriptions have discovered the publishers, or
         after 2 s.
@@ -131,7 +131,7 @@ class Player:
                 yield CLOCK, time_ns, Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest))
 
     def _publish(self, topic: str, message: bytes | Clock) -> None:
-        """Publish a message. Skip one that ROS 2 refuses because it is not of the topic's type, and warn once."""
+        """Publish a message. If ROS 2 rejects it because it does not have the topic's type, skip it and warn once."""
         try:
             self._publishers[topic].publish(message)
             self.played += topic in self._qos
@@ -174,7 +174,7 @@ class Player:
         return playable
 
     def _full_name(self, topic: str) -> str:
-        """Return the full name of a topic in the bag; as in ros2 bag, a relative name is in the node's namespace.
+        """Return the full name of a topic in the bag. Like ros2 bag, resolve a relative name in the node's namespace.
 
         Raises:
             TutorialError: the name breaks the naming rules.

@@ -89,7 +89,7 @@ class Recorder:
         self.close()
 
     def hears(self, topic: str) -> bool:
-        """Return whether the recorder has discovered a topic's publisher: it records every later message."""
+        """Return whether the recorder has discovered a topic's publisher. If so, it records every later message."""
         subscription = self._subscriptions.get(topic)
         return subscription is not None and subscription.get_publisher_count() > 0
 
@@ -100,7 +100,7 @@ class Recorder:
 
     @property
     def duration(self) -> float:
-        """Time from the first message to the last one that is written [s]."""
+        """Time from the first message to the last one written [s]."""
         return self._writer.duration
 
     def close(self) -> None:
@@ -126,12 +126,12 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be completed: {self.error.strerror}. Its content can be read, "
-                f"but {self.lost:,} messages, and the second before them, are lost. Free some space, or record to "
-                "a different disk."
+                f"but {self.lost:,} messages, and up to a second of earlier ones, are lost. Free some space, or record "
+                "to a different disk."
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait for messages sent before the end: until no more arrive, for at most a second.
+        """Wait for messages that were sent before the end, until no more arrive, for at most one second.
 
         A timer on the executor's thread checks this, because no messages arrive while that thread is busy.
         """
@@ -175,7 +175,7 @@ class Recorder:
         """Record a topic if it has a publisher.
 
         Raises:
-            TutorialError: it cannot be recorded; the message is the end of a sentence.
+            TutorialError: the topic cannot be recorded; the message is the end of a sentence.
         """
         publishers = publishers_on(self._node, topic)
         if not publishers:

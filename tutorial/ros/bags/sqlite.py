@@ -82,7 +82,7 @@ class SqliteWriter:
 class SqliteReader:
     """Reads an SQLite file, as far as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
 
-    Messages are read in the order of writing, because the index by time may be damaged.
+    Messages are read in the order in which they were written, because the index by time may be damaged.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
@@ -101,7 +101,7 @@ class SqliteReader:
             if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:  # SQLite reads the missing bytes as zeros
                 say("its last page is incomplete, so messages on it may be wrong")
         except UNREADABLE as error:
-            raise CorruptBagError(f"SQLite says: {printable(str(error))}") from error
+            raise CorruptBagError(f"SQLite reports: {printable(str(error))}") from error
         self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
 
     def _topics(self) -> list[tuple[Any, ...]]:
@@ -123,7 +123,7 @@ class SqliteReader:
                 else:
                     self._say("a row in it is not a message")
         except UNREADABLE as error:
-            self._say(f"SQLite says: {printable(str(error))}")
+            self._say(f"SQLite reports: {printable(str(error))}")
 
     def _rows(self, query: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a query finds, without changing the file."""

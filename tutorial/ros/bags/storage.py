@@ -1,4 +1,4 @@
-"""Types and limits that MCAP and SQLite files, the two kinds of bag files, share."""
+"""Types and limits shared by the two kinds of bag files, MCAP and SQLite."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import yaml
 
 LARGEST_MESSAGE = 128 * 2**20
-"""Maximum size of a message, or of a chunk once decompressed [bytes]: about five pictures of the largest cameras."""
+"""Maximum size of a message, or of a chunk once decompressed [bytes]: about five pictures from the largest cameras."""
 
 RawMessage = tuple[str, int, bytes]
 """A message's topic, time of receipt [ns] and payload."""
@@ -18,7 +18,7 @@ class CorruptBagError(Exception):
 
 @dataclass
 class Span:
-    """The number of messages, and when the first and the last one were received [ns]; 0 without messages."""
+    """The number of messages, and when the first and the last one were received [ns]; 0 if there are none."""
 
     count: int = 0
     start: int = 0

@@ -1,4 +1,4 @@
-"""Put faults into a stream of joint states, without threads, clocks or ROS 2.
+"""Inject faults into a stream of joint states, without threads, clocks or ROS 2.
 
 Each fault has its own random numbers, so the same seed gives the same stream, and the messages that a fault affects do
 not depend on which other faults are active.
@@ -42,19 +42,19 @@ FAULTS = {
     "duplicate": "a joint appears twice, first with an earlier position",
     "nan": "a position is not a number",
     "infinite": "a position is infinite",
-    "huge": "a position is beyond any range",
+    "huge": "a position is far outside any range",
     "markup": "an extra name contains HTML",
     "control": "an extra name contains control characters or reverses the text direction",
     "short": "fewer positions than names",
     "long": "more positions than names",
     "late": "a message is held back for up to 0.3 s, and arrives after newer ones",
     "ahead": "the stamp is up to an hour ahead",
-    "restart": "the publisher is restarted, and its stamps begin at 0",
+    "restart": "the publisher restarts, and its stamps start at 0 again",
     "drop": "the message is lost",
-    "burst": f"the message is sent {BURST} times at once",
+    "burst": f"the message is sent {BURST} times in a row",
     "second": "a second publisher reports all joints at 0",
 }
-"""Descriptions of the faults by name, in the order that they are applied."""
+"""Descriptions of the faults by name, in the order in which they are applied."""
 
 
 class Action(NamedTuple):
@@ -70,7 +70,7 @@ class Action(NamedTuple):
 
 
 class Chaos:
-    """Puts faults into a stream of joint states.
+    """Injects faults into a stream of joint states.
 
     Args:
         faults: the share of messages that each fault affects, 0 to 1, by name. Several can affect the same message.
@@ -90,7 +90,7 @@ class Chaos:
         self._began_ns = 0  # the good stream's stamp at the last restart, published as 0
 
     def apply(self, message: Any) -> list[Action]:
-        """Put faults into the next message.
+        """Inject faults into the next message.
 
         Args:
             message: a good `sensor_msgs/JointState`, which is not changed.
@@ -175,7 +175,7 @@ def _at_zero(message: Any) -> Any:
     return still
 
 
-# Functions that change the content of a message. It has at least one name, and as many positions as names.
+# Functions that change the content of a message, which has at least one name, and as many positions as names.
 
 
 def _reorder(message: Any, order: list[int]) -> None:

@@ -39,7 +39,7 @@ class ChaosStream:
 
     Args:
         node: the node that publishes.
-        chaos: puts the faults into messages.
+        chaos: injects the faults into messages.
         good: the topic of the good stream; None to publish `swing`.
 
     Attributes:
@@ -69,7 +69,7 @@ class ChaosStream:
         self._number += 1
 
     def _send(self, message: JointState) -> None:
-        """Put faults into a message, and publish the result."""
+        """Inject faults into a message, and publish the result."""
         for action in self.chaos.apply(message):
             kind = "second" if action.kind == "second" else "publish"
             if action.kind == "restart":

@@ -54,7 +54,7 @@ class Program:
 
     Attributes:
         pid: its process ID.
-        name: the name of its executable.
+        command: the beginning of its command, without the folder of its executable.
         domain: its ROS domain.
         joined: whether it uses ports of that domain; otherwise it is perhaps not a ROS 2 program.
         stopped: whether it is suspended, as after Ctrl-Z.
@@ -63,7 +63,7 @@ class Program:
     """
 
     pid: int
-    name: str
+    command: str
     domain: int = 0
     joined: bool = False
     stopped: bool = False

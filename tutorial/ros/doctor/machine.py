@@ -6,8 +6,10 @@ ROS 2's ports tell which domains are in use here. The variables of other program
 from __future__ import annotations
 
 import os
+import shlex
 import socket
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 import psutil
 
@@ -18,6 +20,7 @@ from tutorial.ros.wheels.folder import RANGE
 
 FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports of each domain."""
+COMMAND = 60  # the number of characters of a program's command that are shown
 EPHEMERAL = 32768  # from this port on, the system gives ports to any program
 FIRST_UNICAST = 10  # from this port of a domain on, every second one belongs to a participant
 
@@ -63,12 +66,13 @@ def programs() -> list[Program]:
 def _program(pid: int, joined: list[int]) -> Program | None:
     try:
         process = psutil.Process(pid)
-        variables, name, status = process.environ(), process.name(), process.status()
+        variables, command, status = process.environ(), process.cmdline(), process.status()
     except (psutil.Error, OSError):  # it has ended, or belongs to a different user
         return None
+    first, *others = command or ["unknown"]
     return Program(
         pid,
-        name,
+        shlex.join([Path(first).name, *others])[:COMMAND],
         domain=min(joined) if joined else domain_in(variables),
         joined=bool(joined),
         stopped=status == psutil.STATUS_STOPPED,

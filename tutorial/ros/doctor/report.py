@@ -22,13 +22,21 @@ def report(facts: Facts) -> str:
     if not causes:
         return f"{_summary(facts)}\n{_all_is_well(facts)}\n"
     parts = [_cause_text(number, cause) for number, cause in enumerate(causes, 1)]
-    return ("" if facts.blind else f"{_summary(facts)}\n\n") + "\n".join(parts)
+    return ("" if facts.blind else f"{_summary(facts)}{_arrived(facts)}\n\n") + "\n".join(parts)
 
 
 def _summary(facts: Facts) -> str:
     """Return the line about who publishes and subscribes."""
     publishers, subscriptions = _nodes("publisher", facts.publishers), _nodes("subscription", facts.subscriptions)
     return f"{escape_name(facts.topic)} in domain {facts.domain}: {publishers}, {subscriptions}."
+
+
+def _arrived(facts: Facts) -> str:
+    """Return how many messages arrived at the doctor, whose QoS fits even if that of other subscriptions doesn't."""
+    if not facts.seconds:
+        return ""
+    messages = f"{facts.received or 'No'} message{'s' * (facts.received != 1)}"
+    return f"\n{messages} arrived at the doctor, which accepts any QoS, in {facts.seconds:.1f} s."
 
 
 def _nodes(noun: str, endpoints: Sequence[Endpoint]) -> str:

@@ -84,7 +84,8 @@ class Cause(NamedTuple):
     def looks(self) -> list[str]:
         """Return the commands that show the cause: ours and that of ``ros2``, or one of the system."""
         look = self.fill(self.rule.look)
-        return [f"tank {look}", f"ros2 {look}"] if look.startswith("topic ") else [look]
+        tools = ("tank topic ", "ros2 topic ") if "topic " in look else ("",)
+        return [look.replace("topic ", tool, 1) for tool in tools]
 
 
 def diagnose(facts: Facts) -> list[Cause]:
@@ -129,6 +130,11 @@ def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
     return [name for name, misfit in tests.items() if misfit]
 
 
+def _fits(subscription: Endpoint, publishers: Sequence[Endpoint]) -> bool:
+    """Return whether a subscription receives messages from any of the publishers."""
+    return any(not misfits(publisher, subscription) for publisher in publishers)
+
+
 def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Found | None]:
     """Return a function that finds a subscription, or the doctor's own, that differs from each publisher.
 
@@ -164,7 +170,7 @@ def _late(facts: Facts) -> Found | None:
     if not facts.silent or facts.publishers[0].transient_local or facts.topic in EVERY_NODE_HAS:
         return None
     is_usual = facts.topic.rpartition("/")[2] in ONCE
-    saw = f"{_silence(facts)} It is VOLATILE, so messages from before your subscription are lost."
+    saw = f"{_silence(facts)} It is VOLATILE: if it published only before you subscribed, you missed it."
     return Found(saw, weak=not is_usual)
 
 
@@ -181,14 +187,16 @@ def _clock(facts: Facts) -> Found | None:
 
 def _stopped(facts: Facts) -> Found | None:
     program = _program(facts, lambda each: each.stopped and each.joined)
-    if facts.received or program is None:
+    if program is None or (facts.publishers and not facts.silent):
         return None
-    return Found(f"{_process(program)} is suspended.", {"PROCESS": str(program.pid)})
+    return Found(f"{_process(program)} is suspended, and uses domain {facts.domain}.", {"PROCESS": str(program.pid)})
 
 
 def _silent(facts: Facts) -> Found | None:
     is_usual = facts.topic in EVERY_NODE_HAS  # nodes publish there only if something happens
-    return Found(_silence(facts), weak=True) if facts.silent and not is_usual else None
+    if not facts.silent or is_usual or (facts.here and not _fits(facts.here, facts.publishers)):
+        return None
+    return Found(_silence(facts), weak=all(_fits(each, facts.publishers) for each in facts.subscriptions))
 
 
 def _silence(facts: Facts) -> str:
@@ -202,7 +210,7 @@ def _domain(facts: Facts) -> Found | None:
     if facts.publishers or not facts.found_in:
         return None
     where = _listed([str(domain) for domain in facts.found_in])
-    saw = f"Nobody publishes it in domain {facts.domain}, which is yours, but somebody does in domain {where}."
+    saw = f"Nobody publishes it in domain {facts.domain}, which is yours, but it has a publisher in domain {where}."
     return Found(saw, {"DOMAIN": str(facts.found_in[0])})
 
 
@@ -225,11 +233,14 @@ def _name(facts: Facts) -> Found | None:
     types = {each.type for each in (*facts.publishers, *facts.subscriptions)}
     near = [each for each in _near(facts.topic, facts.topics) if not types or types.intersection(each.types)]
     near = [each for each in near if bool(each.publishers) != bool(facts.publishers)]
+    if facts.found_in:  # then only nearly the same name is more likely than a different domain
+        near = [each for each in near if _similarity(facts.topic, each.name) == 1]
     if not near or (facts.publishers and facts.subscriptions):
         return None
     names = _listed([escape_name(each.name) for each in near])
     does, has = ("subscribes to", "a subscription") if facts.publishers else ("publishes", "a publisher")
-    return Found(f"Nobody {does} {escape_name(facts.topic)}, but {names} has {has}.", {"OTHER": near[0].name})
+    saw = f"Nobody {does} {escape_name(facts.topic)} in domain {facts.domain}, but {names} has {has} there."
+    return Found(saw, {"OTHER": near[0].name})
 
 
 def _near(topic: str, topics: Sequence[Topic]) -> list[Topic]:
@@ -273,11 +284,22 @@ def _elsewhere(facts: Facts) -> str:
 # Messages that a viewer drops
 
 
+def _unknown(facts: Facts) -> Found | None:
+    return _drops(facts) if _complaint(facts).startswith("unknown ") else None
+
+
 def _dropped(facts: Facts) -> Found | None:
+    return None if _unknown(facts) else _drops(facts)
+
+
+def _drops(facts: Facts) -> Found | None:
     if facts.unmoved * 2 <= facts.received:
         return None
-    complaint = printable(facts.complaint).removeprefix("0 joints shown; ").rstrip(".")
-    return Found(f"{facts.unmoved} of {facts.received} messages move no joint: {complaint}.")
+    return Found(f"{facts.unmoved} of {facts.received} messages move no joint: {_complaint(facts)}.")
+
+
+def _complaint(facts: Facts) -> str:
+    return printable(facts.complaint).removeprefix("0 joints shown; ").rstrip(".")
 
 
 def _program(facts: Facts, test: Callable[[Program], bool]) -> Program | None:
@@ -286,7 +308,7 @@ def _program(facts: Facts, test: Callable[[Program], bool]) -> Program | None:
 
 
 def _process(program: Program) -> str:
-    return f"Process {program.pid} ({printable(program.name)})"
+    return f"Process {program.pid} ({printable(program.command)})"
 
 
 def _who(endpoint: Endpoint) -> str:
@@ -331,19 +353,35 @@ RULES: dict[str, Rule] = {
         command="export ROS_DOMAIN_ID=1",
         look="ss -ulnp",
     ),
+    "stopped": Rule(
+        "a program is suspended",
+        _stopped,
+        "Ctrl-Z suspends a program. It sends nothing until it is resumed.",
+        "Type fg in its terminal, or resume it from any other terminal.",
+        command="kill -CONT PROCESS",
+        look="ps -o stat,args PROCESS",
+    ),
+    "name": Rule(
+        "the topic's name differs",
+        _name,
+        "Two names mean the same topic only if they are identical, including the namespace and upper and lower case.",
+        "Correct the name in one of the programs, or start the one with the name that you asked for like this:",
+        command="--ros-args -r TOPIC:=OTHER",
+        look="topic list -t",
+    ),
     "domain": Rule(
         "the publisher is in a different domain",
         _domain,
         "Programs only see each other if they have the same ROS_DOMAIN_ID. Without one, they are in domain 0.",
-        "Give both programs the same domain before you start them.",
+        "If that publisher is not somebody else's, start your other program again in its domain.",
         command="export ROS_DOMAIN_ID=DOMAIN",
-        look="topic list",
+        look="ROS_DOMAIN_ID=DOMAIN topic info -v TOPIC",
     ),
     "type": Rule(
         "the message types differ",
         _type,
         "A subscription only receives messages of its own type. A topic's name does not determine its type.",
-        "Use the publisher's type in create_subscription. If it is not installed here, build or source its package.",
+        "Decide which type is right, and use it in both programs. If it is not installed, build or source its package.",
     ),
     "hash": Rule(
         "the definitions of the message type differ",
@@ -354,20 +392,20 @@ RULES: dict[str, Rule] = {
     "reliability": Rule(
         "the reliability does not fit",
         _apart("reliability", lambda each: "RELIABLE" if each.reliable else "BEST_EFFORT"),
-        "A RELIABLE subscription refuses a BEST_EFFORT publisher, which never sends a lost message again.",
+        "A RELIABLE subscription refuses a BEST_EFFORT publisher. (A BEST_EFFORT subscription accepts any.)",
         "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or the publisher RELIABLE.",
     ),
     "durability": Rule(
         "the durability does not fit",
         _apart("durability", lambda each: "TRANSIENT_LOCAL" if each.transient_local else "VOLATILE"),
         "A TRANSIENT_LOCAL subscription refuses a VOLATILE publisher, which keeps no messages for late subscriptions.",
-        "Make the subscription VOLATILE, or the publisher TRANSIENT_LOCAL.",
+        "If the publisher sends only one message, make it TRANSIENT_LOCAL. Otherwise make the subscription VOLATILE.",
     ),
     "deadline": Rule(
         "the deadline does not fit",
         _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
-        "A subscription with a deadline refuses a publisher that does not promise to publish that often.",
-        "Remove the deadline from the subscription, or set one on the publisher that is at most as long.",
+        "A subscription with a deadline refuses a publisher without the promise to publish that often.",
+        "Give the subscription a longer deadline or none, or give the publisher a deadline that is short enough.",
     ),
     "liveliness": Rule(
         "the liveliness does not fit",
@@ -375,11 +413,19 @@ RULES: dict[str, Rule] = {
         "A subscription refuses a publisher whose liveliness is weaker than it asks for, or whose lease is longer.",
         "Remove the liveliness from the subscription, or give the publisher the same kind and at most the same lease.",
     ),
+    "clock": Rule(
+        "the publisher waits for /clock",
+        _clock,
+        "With use_sim_time, a node's timers follow /clock. Without messages there, they never fire.",
+        "Start the program that publishes /clock, such as a simulator, or start the node again with use_sim_time off.",
+        command="--ros-args -p use_sim_time:=false",
+        look="topic info /clock",
+    ),
     "silent": Rule(
         "the publisher is silent",
         _silent,
         "Perhaps nobody spins its node, a callback blocks it, its simulation is paused, or it publishes rarely.",
-        "Look at the publisher's program: does it spin its node, and does its callback return?",
+        "Check its program: something has to spin the node, as rclpy.spin(node) does, and each callback has to return.",
         look="topic hz TOPIC",
     ),
     "late": Rule(
@@ -387,21 +433,6 @@ RULES: dict[str, Rule] = {
         _late,
         "A VOLATILE subscription only receives messages that are published after the publisher has discovered it.",
         "Make both the publisher and the subscription TRANSIENT_LOCAL: the publisher then keeps its last messages.",
-    ),
-    "clock": Rule(
-        "the publisher waits for /clock",
-        _clock,
-        "With use_sim_time, a node's timers follow /clock. Without messages there, they never fire.",
-        "Start the program that publishes /clock, or set the node's use_sim_time to false.",
-        look="topic hz /clock",
-    ),
-    "stopped": Rule(
-        "a program is suspended",
-        _stopped,
-        "Ctrl-Z suspends a program. It sends nothing until it is resumed.",
-        "Type fg in its terminal, or resume it from any other terminal.",
-        command="kill -CONT PROCESS",
-        look="ps -o stat,args PROCESS",
     ),
     "range": Rule(
         "discovery is switched off",
@@ -419,19 +450,18 @@ RULES: dict[str, Rule] = {
         command="export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
         look="printenv RMW_IMPLEMENTATION",
     ),
-    "name": Rule(
-        "the topic's name differs",
-        _name,
-        "Two names mean the same topic only if they are identical, including the namespace and upper and lower case.",
-        "Correct the name in the code, or remap it when you start one of the programs.",
-        command="--ros-args -r TOPIC:=OTHER",
-        look="topic list -t",
+    "unknown": Rule(
+        "messages arrive, but name unknown joints",
+        _unknown,
+        "A viewer moves only the joints that its robot's model has, and ignores all other names.",
+        "In the publisher's program, name each joint exactly as the model of the robot does.",
+        look="topic echo TOPIC",
     ),
     "dropped": Rule(
-        "messages arrive, and viewers drop them",
+        "messages arrive, but viewers drop them",
         _dropped,
-        "A viewer ignores joints that its robot does not have, and messages that are older than the last one.",
-        "Publish the joints' own names, and stamps that never jump backwards, from one publisher for each joint.",
+        "A viewer ignores messages that are older than the last one, and positions that are not finite numbers.",
+        "Publish stamps that never jump backwards, and usable positions, from one publisher for each joint.",
         look="topic echo TOPIC",
     ),
     "nobody": Rule(

@@ -32,7 +32,7 @@ def _infos(ask: Callable[..., list[TopicEndpointInfo]], topic: str) -> list[Topi
 
 
 def reader_qos(node: Node, topic: str) -> QoSProfile:
-    """Choose a subscription's QoS that suits all publishers of a topic, as ``ros2`` does.
+    """Choose a subscription QoS that suits all publishers of a topic, as ``ros2`` does.
 
     Args:
         node: the node that queries the graph.

@@ -30,7 +30,7 @@ NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, timeout: float = TIMEOUT) -> bool:
     """Wait until every discovered participant has announced its entities and the graph has stopped changing.
 
-    Other nodes of this process certainly exist, so wait for them, too: Fast DDS takes seconds to discover them. If the
+    Other nodes of this process certainly exist, so also wait for them: Fast DDS takes seconds to discover them. If the
     wait times out, log a warning.
 
     Args:
@@ -82,7 +82,7 @@ def _is_fast_dds() -> bool:
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
-    """Return all nodes, and all topics, some of them with the nodes that publish and subscribe."""
+    """Return all nodes, topics and services, some of the topics with the nodes that publish and subscribe."""
     snapshot: list[tuple[str, ...]] = []
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while any node has an empty name
@@ -90,6 +90,9 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while any name is not UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
+    services = getattr(node, "get_service_names_and_types", list)  # which the pocket ROS 2 does not have
+    with suppress(UnicodeDecodeError):
+        snapshot += [(service, *types) for service, types in services()]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):
         infos = (*publishers_on(node, topic), *subscriptions_on(node, topic))
         snapshot.append(tuple(sorted(info.node_name for info in infos)))

@@ -31,6 +31,7 @@ NO_TYPE = "Could not determine the type for the passed topic"
 async def topic_echo(
     node: Node,
     topic: str,
+    message_type: str | None = None,
     *,
     once: bool = False,
     field: str | None = None,
@@ -39,12 +40,14 @@ async def topic_echo(
 ) -> AsyncGenerator[str, None]:
     """Yield the messages of a topic as text, like ``ros2 topic echo``.
 
-    The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling.
+    The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling the task.
 
     Args:
         node: the node that subscribes; its thread must spin.
         topic: its name; if it does not exist, wait for it briefly.
-        once: end after the first message instead of continuing forever.
+        message_type: such as ``"sensor_msgs/msg/Joy"``; then subscribe even if the topic does not exist yet, or has
+            several types. None for the topic's own type.
+        once: stop after the first message instead of continuing forever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show only the type and length of each array.
         timeout: maximum wait for each message [s]; None to wait forever.
@@ -53,14 +56,15 @@ async def topic_echo(
         The text of a message, with the closing ``---``.
 
     Raises:
-        TutorialError: the topic or the field is unknown, with the error text of ``ros2``; or no message arrived in
-            time.
+        TutorialError: the topic, the type or the field is unknown, with the error text of ``ros2``; or no message
+            arrived in time.
     """
-    topic = await _known(node, topic)
-    type_name = _type_of(node, topic)
-    if type_name is None:
+    if message_type is None:
+        topic = await _known(node, topic)
+        message_type = _type_of(node, topic)
+    if message_type is None:
         raise TutorialError(f"{_not_published(topic)}\n{NO_TYPE}")
-    async with aclosing(_messages(node, message_class(type_name), topic, timeout)) as messages:
+    async with aclosing(_messages(node, message_class(message_type), full_topic(node, topic), timeout)) as messages:
         async for _, message in messages:
             yield field_text(message, field, no_arr)
             if once:
@@ -72,7 +76,7 @@ async def topic_hz(
 ) -> AsyncGenerator[str, None]:
     """Measure the rate of a topic's messages forever, like ``ros2 topic hz``.
 
-    Yield nothing while no messages arrive, and start again when simulated time jumps back.
+    Yield nothing while no messages arrive, and start again when simulated time jumps backwards.
 
     Args:
         node: the node that subscribes; its thread must spin. If it uses simulated time, intervals are measured in it.

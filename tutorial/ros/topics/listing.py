@@ -30,7 +30,7 @@ def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, lis
 
     Args:
         node: the node that queries the graph.
-        include_hidden: include topics with a part of their name that starts with an underscore.
+        include_hidden: include topics whose names have a part that starts with an underscore.
     """
     found = sorted(node.get_topic_names_and_types())
     return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}

@@ -23,7 +23,7 @@ ARRAYS = (list, tuple, array, np.ndarray)
 def message_to_yaml(message: Any, no_arr: bool = False) -> str:
     """Write a message as YAML, with its fields in order.
 
-    An array or a string is cut after 128 elements or characters, and ``...`` is added. A string of visible characters
+    An array or string is truncated to 128 elements or characters, and ``...`` is added. A string of visible characters
     and line breaks is written as ``ros2`` writes it. Any other string is in double quotes, where the escapes of
     `tutorial.errors.printable` are valid YAML: a YAML parser returns the same string.
 
@@ -32,7 +32,7 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
         no_arr: write only the type and length of each array.
 
     Returns:
-        Lines; the last one ends in a line break, too.
+        Lines, all of which end in a line break, even the last one.
     """
     plain = _plain(message, no_arr)
     text = yaml.dump(

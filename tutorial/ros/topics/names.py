@@ -31,7 +31,7 @@ def full_name(name: str, namespace: str) -> str:
 
 
 def escape_name(name: str) -> str:
-    """Return a name that is safe to print: cut after ROS 2's maximum length, with escapes for invisible characters.
+    """Return a name that is safe to print: truncated to ROS 2's maximum length, with invisible characters escaped.
 
     Args:
         name: the name of a node, a topic or a type, from any program.
@@ -90,22 +90,44 @@ def message_class(type_name: str) -> Any:
     Raises:
         TutorialError: there is no such type.
     """
-    found = None
-    try:
-        package, *kind, name = type_name.split("/")
-        if kind in ([], ["msg"]) and _has_messages(package):
-            found = getattr(import_module(f"{package}.msg"), name)
-    except (ValueError, TypeError, ImportError, AttributeError):
-        pass
+    found = _interface(type_name, "msg")
     if not is_message(found):
         raise TutorialError(f"The message type '{escape_name(type_name)}' is invalid")
     return found
 
 
-def _has_messages(package: str) -> bool:
-    """Return whether a package has messages, without importing it, which would run code under any name."""
+def service_class(type_name: str) -> Any:
+    """Return the class of a service type.
+
+    Args:
+        type_name: such as ``"std_srvs/srv/Trigger"``, or the short form ``"std_srvs/Trigger"``; ROS 2 accepts both.
+
+    Raises:
+        TutorialError: there is no such type, or it is not a service; the error text is the same as in ``ros2``.
+    """
+    found = _interface(type_name, "srv") or _interface(type_name, "msg")
+    if found is None:
+        raise TutorialError("The passed service type is invalid")
+    if not hasattr(found, "Request"):
+        raise TutorialError("The passed type is not a service")
+    return found
+
+
+def _interface(type_name: str, part: str) -> Any:
+    """Return the class with a name such as ``package/msg/Name`` or ``package/Name``; None if there is no such class."""
+    try:
+        package, *kind, name = type_name.split("/")
+        if kind in ([], [part]) and _has_part(package, part):
+            return getattr(import_module(f"{package}.{part}"), name)
+    except (ValueError, TypeError, ImportError, AttributeError):
+        pass
+    return None
+
+
+def _has_part(package: str, part: str) -> bool:
+    """Return whether a package has a part such as ``msg``, without importing it: that would run any package's code."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False
     places = spec.submodule_search_locations
-    return any(finder.find_spec(f"{package}.msg", places) is not None for finder in sys.meta_path)
+    return any(finder.find_spec(f"{package}.{part}", places) is not None for finder in sys.meta_path)

@@ -1,4 +1,4 @@
-"""Fill a message with the values that a user wrote, with the checks of ``ros2 topic pub``."""
+"""Fill a message with the values that a user wrote, and check them as ``ros2 topic pub`` does."""
 
 import re
 from array import array
@@ -54,25 +54,52 @@ def populated(type_name: str, text: str) -> Populated:
         kind = message_class(type_name)
     except TutorialError:
         raise TutorialError("The passed message type is invalid") from None
-    try:
-        values = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise TutorialError(f"The passed value needs to be in YAML string or a dictionary\n{error}") from error
+    values = _parsed(text)
     if not isinstance(values, dict):
         raise TutorialError("The passed value needs to be a dictionary in YAML format")
     stampers: list[Stamper] = []
+    return Populated(_checked(kind, values, stampers), stampers)
+
+
+def populated_request(service: Any, text: str) -> Any:
+    """Make the request of a service, and fill it with values.
+
+    Args:
+        service: the class of the service's type.
+        text: the fields' values as YAML: ``"{data: true}"``.
+
+    Raises:
+        TutorialError: the text is not YAML, or a value does not fit its field; the error text is the same as in
+            ``ros2``.
+    """
+    return _checked(service.Request, _parsed(text), None)
+
+
+def _parsed(text: str) -> Any:
+    try:
+        return yaml.safe_load(text)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise TutorialError(f"The passed value needs to be in YAML string or a dictionary\n{error}") from error
+
+
+def _checked(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
+    """Make a message that can be sent.
+
+    Raises:
+        TutorialError: a value does not fit its field.
+    """
     try:
         message = _filled(kind, values, stampers)
         serialize_message(message)
     except (ArithmeticError, AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
         raise TutorialError(f"Failed to populate field: {error}") from error
-    return Populated(message, stampers)
+    return message
 
 
-def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
+def _filled(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
     """Make a message from a dictionary, and append to ``stampers`` the functions that set its stamps.
 
-    The message itself checks the values.
+    The message itself checks the values. Without a list of stampers, there are no abbreviations for stamps.
     """
     if not isinstance(values, dict):
         raise _no_dictionary(values)
@@ -82,16 +109,16 @@ def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
         if name not in kinds:
             raise AttributeError(f"'{kind.__name__}' object has no attribute '{name}'")
         old = getattr(message, name)
-        if isinstance(old, Header) and value == "auto":
+        if stampers is not None and isinstance(old, Header) and value == "auto":
             stampers.append(partial(setattr, old, "stamp"))
-        elif isinstance(old, Time) and value == "now":
+        elif stampers is not None and isinstance(old, Time) and value == "now":
             stampers.append(partial(setattr, message, name))
         else:
             setattr(message, name, _converted(old, kinds[name], value, stampers))
     return message
 
 
-def _converted(old: Any, field_type: str, value: Any, stampers: list[Stamper]) -> Any:
+def _converted(old: Any, field_type: str, value: Any, stampers: list[Stamper] | None) -> Any:
     """Convert a value to the type of a field's old value; append functions that set stamps in it to ``stampers``."""
     if found := re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type):  # of messages
         element = message_class(f"{found[1]}/msg/{found[2]}")

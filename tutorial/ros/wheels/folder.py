@@ -29,7 +29,7 @@ RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PYTHON = f"python{sys.version_info.major}.{sys.version_info.minor}"
 
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
-"""Tag of this Python version in the names of wheels; a folder is for one version."""
+"""This Python version's tag in the names of wheels; each folder is for one version."""
 
 COMPILER = f"g++ and Python.h: sudo apt install g++ {PYTHON}-dev, or on Fedora sudo dnf install gcc-c++ python3-devel."
 """Requirements for building an interface package, and how to install them."""

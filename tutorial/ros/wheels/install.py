@@ -99,7 +99,7 @@ def alone(target: Path) -> Iterator[None]:
 def run(
     command: Sequence[object], report: Report = lambda _line: None, environment: Mapping[str, str] = os.environ
 ) -> tuple[int, str]:
-    """Run a command to its end. If this process ends first, for whatever reason, so does the command.
+    """Run a command to completion. If this process ends first, for whatever reason, so does the command.
 
     Args:
         command: the command and its arguments.
@@ -128,7 +128,7 @@ def last_line(output: str) -> str:
 
 
 def _downloads(target: Path) -> Path:
-    """Return the folder for downloads. They stay until the target is complete."""
+    """Return the folder for downloads, which are kept until the target is complete."""
     return target.with_name(f"{target.name}.downloads")
 
 

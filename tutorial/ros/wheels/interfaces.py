@@ -1,6 +1,6 @@
 """Build interface packages (messages, services and actions) for the real ROS 2 from PyPI.
 
-These are ordinary packages, which colcon can build, too. CMake and ROS 2's generators are also wheels, installed in the
+These are ordinary packages, which colcon can also build. CMake and ROS 2's generators are also wheels, installed in the
 real ROS 2's subfolder ``build``. `interfaces.cmake` contains the settings for these folders.
 """
 

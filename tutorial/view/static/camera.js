@@ -32,7 +32,7 @@ class Camera {
     this.controls.object.position.add(by);
   }
 
-  /** Apply the mouse's input, follow the robot, and enforce the limits. meshcat calls this for each picture, too. */
+  /** Apply the mouse's input, follow the robot, and enforce the limits. meshcat also calls this for each picture. */
   update(apply) {
     const {controls} = this, {target, position0, target0} = controls;
     const home = position0.distanceTo(target0) || 1, before = this.distance;
@@ -93,7 +93,7 @@ class Camera {
     this.last = place;
   }
 
-  /** Return to where the program has placed the camera. */
+  /** Move the camera back to where the program placed it. */
   reset() {
     this.followed = "";
     this.controls.reset();

@@ -13,7 +13,7 @@ function send(model, message) {
 
 /**
  * Call onEnd when the kernel has ended or restarted, and onConnection when the connection to it is lost or restored.
- * Returns a function that stops this. Only JupyterLab gives widgets access to the kernel.
+ * Returns a function that stops these calls. Only JupyterLab gives widgets access to the kernel.
  */
 function watchKernel(model, onEnd, onConnection) {
   const kernel = model.widget_manager?.kernel;

@@ -16,7 +16,7 @@ const BUTTONS = [0, 1, 2, 3, 8, 16, 9, 10, 11, 4, 5, 12, 13, 14, 15];
 const TRIGGERS = [6, 7];
 const ENDED = "The kernel has ended or was restarted. Run the notebook's cells again to get a joystick.";
 const CLOSED = "Closed. Run the cell again to get a joystick.";
-const OFFLINE = "The connection to Jupyter is lost. The joystick works again when it is back.";
+const OFFLINE = "The connection to Jupyter is lost. The joystick works again when the connection is back.";
 const UNKNOWN = "The browser does not know this gamepad's layout, so it is not used: ";
 const NO_GAMEPAD = "Drag a stick, click here and press keys, or connect a gamepad and press one of its buttons.";
 

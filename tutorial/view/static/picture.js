@@ -1,5 +1,5 @@
 // Shows the SVG of tutorial/notebook/widgets/picture.py in a cell. It contains names from the network, so it is parsed,
-// and only shapes and text get into the page.
+// and only shapes and text reach the page.
 
 const SHAPES = new Set(["svg", "g", "title", "line", "path", "polyline", "polygon", "rect", "circle", "ellipse", "text", "tspan"]);
 

@@ -8,7 +8,7 @@ const PAUSE = 100;  // between pictures without a graphics card [ms]
 
 /** The title and hint to show if a viewer cannot be made. */
 export const noGraphics = ({message}) =>
-  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. The error was: ${message}`];
+  ["This browser cannot show 3D graphics.", `It has no WebGL, or WebGL is switched off. The error was: ${message}`];
 
 /** Return whether a graphics card draws a canvas. If the browser does not reveal it, assume that it does. */
 function hasCard(gl) {
@@ -18,7 +18,7 @@ function hasCard(gl) {
 
 /**
  * Make a meshcat viewer in an element, which draws when something has changed. Without a graphics card, it saves two
- * thirds of the processor time for the simulation and the page: no shadows, no antialiasing, ten pictures a second.
+ * thirds of the CPU time for the simulation and the page: no shadows, no antialiasing, ten pictures a second.
  * isSeen: returns whether the viewer is visible. Returns the viewer, and a function that disposes of it.
  */
 export function makeViewer(element, isSeen = () => true) {

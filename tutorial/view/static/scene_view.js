@@ -6,6 +6,18 @@ const ENDED = ["The kernel has ended or was restarted.", "Run the notebook's cel
 const OFFLINE = ["The connection to Jupyter is lost.", "The picture continues when the connection is back."];
 const NO_SCRIPT = "meshcat's viewer could not start in this page.";
 
+/**
+ * Scroll until an element is on the screen, if part of it is there. JupyterLab scrolls to the next cell before the view
+ * takes its place, so that the top of the view can be cut off.
+ */
+function reveal(element) {
+  const onceSeen = ([{intersectionRatio}], observer) => {
+    observer.disconnect();
+    if (intersectionRatio > 0 && intersectionRatio < 1) element.scrollIntoView({block: "nearest"});
+  };
+  new IntersectionObserver(onceSeen).observe(element);
+}
+
 class CellView extends FrameView {
   static every = 10;  // the kernel sends up to 60 without an acknowledgement
 
@@ -21,7 +33,7 @@ class CellView extends FrameView {
     const {model} = this;
     this.frame = make("div", "tank-view-frame");
     this.pane = makePane(model.get("title"));
-    this.pane.style.height = "clamp(240px, 40vh, 420px)";  // so that the code that moves it is visible, too
+    this.pane.style.height = "clamp(240px, 40vh, 420px)";  // so that the code that moves it is also visible
     this.curtain = make("div", "tank-view-curtain", {role: "status"});
     this.curtain.append(make("strong", ""), make("span", ""));
     this.line = make("div", "tank-view-line");
@@ -72,6 +84,8 @@ class CellView extends FrameView {
   show(_, content) {
     this.reader.read(content);
     this.curtain.hidden = true;
+    if (!this.isRevealed) reveal(this.frame);
+    this.isRevealed = true;
   }
 
   onConnection(isThere) {

@@ -79,7 +79,7 @@ class Picture {
     const [[viewer, stop], forget] = withoutTrace(() => makeViewer(element, () => isSeen));
     this.viewer = viewer;
     this.camera = new Camera(viewer);
-    viewer.gui.domElement.remove();  // it is for developers, and covers a part of the picture
+    viewer.gui.domElement.remove();  // it is for developers, and covers part of the picture
     const canvas = viewer.renderer.domElement;
     canvas.addEventListener("webglcontextlost", onTaken);
     const unfit = fit(viewer, element);

@@ -1,6 +1,6 @@
 """Replace Cyclone DDS in the browser: carry messages between the programs of one page.
 
-This module implements what `rclpy._transport` describes. A published message reaches the readers in the same program
+This module implements `rclpy._transport`. A published message reaches the readers in the same program
 at once, as CDR bytes, and `Wire` passes it on to the page's other programs. No message leaves the page.
 """
 
@@ -63,7 +63,7 @@ class Wire:
         return [each for participant in self.participants for each in participant.own]
 
     def endpoints(self) -> list[Info]:
-        """Describe the endpoints of all programs, those of this program first."""
+        """Describe the endpoints of all programs, starting with this one's."""
         return sum(self.others.values(), [each.info for each in self.own_endpoints()])
 
     def hear(self, program: str, described: Any) -> None:
@@ -100,7 +100,7 @@ class Endpoint:
     """Base class of writers and readers.
 
     Attributes:
-        info: its description for others.
+        info: its description for other programs.
         partners: maps each endpoint at the other end of its topic, by identifier, to the reason why the two don't
             match, or to `FITS`.
         has_misfit: whether a partner that does not match has appeared.
@@ -127,7 +127,7 @@ class Endpoint:
             self._participant.wire.tell()
 
     def compare(self, everyone: list[Info]) -> None:
-        """Find its partners among all endpoints. Record new misfits, and receive what new partners keep."""
+        """Find its partners among all endpoints. Record new misfits, and receive the messages kept by new partners."""
         known, self.partners = self.partners, {}
         for each in everyone:
             if each.topic_name == self.info.topic_name and each.kind != self.info.kind and each.owner != self._ignored:
@@ -143,7 +143,7 @@ class Endpoint:
         self.samples.append((bytes(data), time.time_ns()))
 
     def take_incompatible(self) -> str:
-        """Return what the last partner does not match in, if one has appeared since the last call."""
+        """Return what makes the last misfit incompatible, or "" if none has appeared since the last call."""
         unsaid, self.has_misfit = self.has_misfit, False
         return self._last_misfit if unsaid else ""
 
@@ -189,7 +189,7 @@ class Waiter:
             changed.notify_all()
 
     def close(self) -> None:
-        """Do nothing: it holds nothing."""
+        """Do nothing: there is nothing to release."""
 
     def _ready(self) -> list[Any]:
         is_woken = self._is_woken or any(each.has_misfit for each, _ in self._watched)
@@ -253,7 +253,7 @@ def _is_kept(qos: QoSProfile) -> bool:
 
 
 def _strength(qos: QoSProfile) -> list[tuple[str, float]]:
-    """Return the strength that each policy offers or asks for; an offer must be at least as strong as the request."""
+    """Return the strength that each policy offers or requests; an offer must be at least as strong as the request."""
     return [
         ("DURABILITY", _is_kept(qos)),
         ("DEADLINE", -qos.deadline.nanoseconds),

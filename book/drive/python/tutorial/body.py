@@ -43,7 +43,7 @@ class State:
         self._mujoco.mj_kinematics(self.model, self.data)
 
     def reset(self) -> None:
-        """Go back to the initial pose."""
+        """Return to the initial pose."""
         self._mujoco.mj_resetData(self.model, self.data)
         self._mujoco.mj_forward(self.model, self.data)
         self.look_up()
@@ -70,7 +70,7 @@ class Joint:
 
 
 class Actuator:
-    """An actuator that is not a joint's motor, such as a track: its control signal, for a track its speed [m/s]."""
+    """An actuator that is not a joint's motor, such as a track: its control signal (for a track, its speed [m/s])."""
 
     def __init__(self, state: State, name: str, ctrl: int) -> None:
         self.name, self._state, self._adr = name, state, ctrl

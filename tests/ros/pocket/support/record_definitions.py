@@ -31,7 +31,7 @@ def written() -> str:
 
 
 def _without_char(description: Any) -> Any:
-    """Replace the .msg type char by uint8, as ROS 2 does: in the class, on the wire and in the hash."""
+    """Replace the .msg type char with uint8, as ROS 2 does: in the class, on the wire and in the hash."""
     if description == ("char", 0):
         return ("uint8", 0)
     if isinstance(description, tuple):

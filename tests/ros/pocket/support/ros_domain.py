@@ -14,8 +14,8 @@ settings.register_profile("the same every time", settings.get_profile("random"),
 settings.load_profile("the same every time")
 
 MARKS = (
-    "pocket: is about the pocket ROS 2; skipped with a reason where a real one is in use",
-    "process: starts further processes, because what it proves cannot be proved within one",
+    "pocket: tests only the pocket ROS 2; skipped with a reason where a real one is in use",
+    "process: starts more processes, because one is not enough for what it tests",
 )
 
 
@@ -39,7 +39,7 @@ def _pocket_only(request: pytest.FixtureRequest, backend: str) -> None:
 
 
 def pytest_report_header() -> str:
-    """Report it at the top of a test run, too."""
+    """Show the backend at the top of a test run."""
     return f"ROS 2: {'pocket' if pocket_ros2.install() else 'rclpy'}"
 
 

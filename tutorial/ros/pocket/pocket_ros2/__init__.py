@@ -12,13 +12,13 @@ from pathlib import Path
 __all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
-"""The folder that is added to Python's path. Its packages can be found only there, so they hide no real packages."""
+"""The folder to add to Python's path. Until then, its packages cannot be imported, so they hide no real packages."""
 
 
 def install(*, first: bool = False) -> bool:
     """Make ``import rclpy``, ``import launch`` and the messages work where there is no real rclpy.
 
-    A real rclpy that is broken raises its own error on import, instead of being hidden.
+    A broken real rclpy is not hidden: importing it raises its own error.
 
     Args:
         first: hide a real rclpy, if there is one. Call this before importing anything from ROS 2.
@@ -44,7 +44,7 @@ def uninstall() -> bool:
     Returns:
         Whether this was possible. If anything from the pocket ROS 2 has already been imported, nothing changes.
     """
-    if "_rosidl.message" in sys.modules:  # imported by pocket's rclpy, too
+    if "_rosidl.message" in sys.modules:  # pocket's rclpy imports it, too
         return False
     sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
     ours = ("_absent", "_rosidl.finder")

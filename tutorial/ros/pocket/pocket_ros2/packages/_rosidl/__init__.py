@@ -1,1 +1,1 @@
-"""Message classes made on import from recorded definitions, where ROS 2 generates them at build time (rosidl)."""
+"""Message classes, made from recorded definitions on import; ROS 2 generates them at build time (rosidl)."""

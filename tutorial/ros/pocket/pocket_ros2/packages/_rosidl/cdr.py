@@ -20,12 +20,12 @@ from _rosidl.values import PRIMITIVES
 
 HEADER = 4  # bytes before the message, which identify the encoding
 ORDERS = {b"\0\0": ">", b"\0\1": "<"}
-"""Byte order of numbers, as `struct` writes it, by encoding."""
+"""The byte order of numbers in each encoding, as `struct` writes it."""
 CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"bool": "?", "byte": "c"}
 """`struct`'s codes for the primitives; strings have no code."""
 
-# Templates of the code that reads one kind of field from the bytes `data`, at the offset `at` or after the padding
-# there: a number of N bytes begins at a multiple of N.
+# Each template is code that reads one kind of field from the bytes `data`, at the offset `at` or after the padding that
+# follows it: a number of N bytes begins at a multiple of N.
 COUNT = "at = at + 3 & -4; count, = unpack_uint32(data, at); at += 4; "
 ALIGN = "at = at + {pad} & ~{pad}; "
 NUMBER = ALIGN + "{target}, = unpack_{base}(data, at); at += {width}"
@@ -41,7 +41,7 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     """Decode CDR bytes into a message, ignoring padding and anything after the last field.
 
     Raises:
-        Exception: the bytes are not such a message; the exception can be of any type.
+        Exception: the bytes are not a message of this type; the exception can be of any type.
     """
     if (encoding := data[:2]) not in ORDERS or len(data) < HEADER:
         raise ValueError(f"they begin with {data[:HEADER].hex(' ') or 'nothing'}, which is not plain CDR")

@@ -1,7 +1,7 @@
 """Definitions of the messages in ROS 2 Jazzy's common interfaces.
 
 They are in ``jazzy.json``, which the tests' ``support/record_definitions.py`` writes from rosbags' store. Reading the
-store itself would cost every program 0.1 s, because it makes the classes of all distributions up to Jazzy.
+store itself would cost every program 0.1 s, because that creates the classes of all distributions up to Jazzy.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import Any
 
 RECORDED = Path(__file__).with_name("jazzy.json")
-"""The hash, constants and fields of each type, by name; types of constants and fields are as in .msg files."""
+"""The hash, constants and fields of each type, by name; the types of constants and fields as in .msg files."""
 
 FIELD_TYPE = re.compile(
     r"(?P<base>[\w/]+)(<=(?P<string_bound>\d+))?(?P<array>\[(?P<fixed>\d+)\])?(?P<sequence>\[(<=(?P<most>\d+))?\])?"
 )
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
-"""An empty message has this uint8 on the wire, because IDL has no empty struct; the message class does not have it."""
+"""An empty message has this uint8 on the wire, because IDL has no empty structs; its message class omits it."""
 
 
 class Cardinality(Enum):
@@ -38,7 +38,7 @@ class Field:
     """One field of a message.
 
     Attributes:
-        name: as in the .msg file.
+        name: its name in the .msg file.
         base: a primitive such as ``"float64"``, or a message such as ``"std_msgs/msg/Header"``.
         cardinality: one value, a fixed number, or any number.
         size: length of an array, maximum length of a sequence (0: unbounded).

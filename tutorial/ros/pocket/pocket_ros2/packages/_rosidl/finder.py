@@ -1,6 +1,6 @@
 """An import finder for ``std_msgs.msg``, ``sensor_msgs.msg`` and all other message packages.
 
-As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. It makes each class on first use.
+As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. Each class is made on first use.
 """
 
 import re
@@ -30,7 +30,7 @@ class InterfaceFinder(MetaPathFinder, Loader):
         """Return a spec for a message package or a module inside one, and None for everything else.
 
         Raises:
-            ImportError: there is no such message, but one with a similar name.
+            ImportError: there is no such message, but there is one with a similar name.
         """
         package, *rest = fullname.split(".")
         names = _message_names(package) if package.endswith(PACKAGE_SUFFIXES) else {}
@@ -66,7 +66,7 @@ class MessagesModule(ModuleType):
         if name not in self.__dict__.get("__all__", ()):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         found = getattr(import_module(f"{self.__name__}.{_module_name(name)}"), name)
-        setattr(self, name, found)  # from now on it is found directly
+        setattr(self, name, found)  # from now on, Python finds it directly
         return found
 
     def __dir__(self) -> list[str]:
@@ -74,7 +74,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Raise an error that suggests a message with a similar name; if there is none, let Python raise its own."""
+    """Raise an error that suggests a message with a similar name. Otherwise, Python raises its own error."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"

@@ -45,11 +45,11 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
     As in ROS 2 Jazzy, values are checked only on request, because checking every value takes time.
 
     Args:
-        check_fields: check every value that is assigned; the default is whether ``ROS_PYTHON_CHECK_FIELDS`` is 1.
-        **fields: values of fields; omitted fields have their default.
+        check_fields: check every value that is assigned; by default, only if ``ROS_PYTHON_CHECK_FIELDS`` is 1.
+        **fields: values of fields; omitted fields get their default values.
 
     Raises:
-        AssertionError: an array has the wrong length, which is always checked.
+        AssertionError: an array has the wrong length. This is always checked.
     """
 
     __slots__ = ()
@@ -91,7 +91,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
 
 def message_class(type_name: str) -> type[Message]:
-    """Return the class of a message type, through the import system, so that there is only one.
+    """Return the class of a message type. It is imported, so that each type has only one class.
 
     Args:
         type_name: its name, such as ``"sensor_msgs/msg/Joy"``.

@@ -14,7 +14,7 @@ FLOAT32_MAX = 3.402823466e38  # the literal in rosidl's checks
 
 
 class Primitive(NamedTuple):
-    """A primitive type of the interface language.
+    """A primitive type of ROS 2's interface definitions.
 
     Attributes:
         idl: its name in IDL, which ``get_fields_and_field_types()`` returns.
@@ -30,7 +30,7 @@ class Primitive(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """The name of numbers of this type in ROS 2's checks."""
+        """The term that ROS 2's checks use for a number of this type."""
         return self.idl if self.python is float else "integer" if self.limits[0] else "unsigned integer"
 
     def holds(self, number: Any) -> bool:
@@ -54,7 +54,7 @@ class Container(NamedTuple):
     """The container of a field that holds several numbers.
 
     Attributes:
-        kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number.
+        kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number of values.
         make: converts values to the container; copies a container.
         default: returns an empty container, or one with zeros.
     """

@@ -41,11 +41,11 @@ def init(
     Args:
         args: the command line; None uses ``sys.argv``.
         context: the context to start; None uses the default one.
-        domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0.
+        domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0 if that is not set.
         signal_handler_options: signals that shut ROS 2 down; None means all of them if the context is the default one.
 
     Raises:
-        RuntimeError: the context has been started before.
+        RuntimeError: the context has already been started.
     """
     default = context is None or context is get_default_context()
     (context or get_default_context()).init(args, domain_id=domain_id)

@@ -15,7 +15,7 @@ TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="u
 
 
 def install() -> None:
-    """Start refusing all names in the table."""
+    """Start rejecting all names in the table."""
     sys.meta_path.append(AbsentModules([f"rclpy.{name}" for name in TABLE["modules"]]))
     for owner, names in TABLE["attributes"].items():
         place = resolve_name(owner)

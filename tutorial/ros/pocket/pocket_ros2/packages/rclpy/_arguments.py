@@ -16,7 +16,7 @@ from rclpy.logging import LoggingSeverity, get_logger
 REMAP, PARAMETER, LOG_LEVEL, PARAMETER_FILE = "remap rule", "parameter override rule", "log level", "parameter file"
 LOG_CONFIGURATION, ENCLAVE, LOG_FILE = "log configuration", "enclave path", "string prefix"
 TABLE = json.loads(Path(__file__).with_name("arguments.json").read_text(encoding="utf-8"))
-"""Flags that take a value, with the kind of value; flags that take none; and the words for yes and no."""
+"""Flags that take a value, with the kind of value; flags that take no value; and the words for yes and no."""
 FLAGS: dict[str, str] = TABLE["flags"]
 RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
 READABLE = re.compile(r"([\w/~{}*]+:(?!=))?(rostopic://)?[\w/~{}*]*(:=[\w/~{}*]*)?")
@@ -149,7 +149,7 @@ class Arguments:
         node, name, value = parts["node"] or "", parts["name"], parts["value"]
         if kind == REMAP:
             if not REMAPPING.fullmatch(text):
-                raise _unreadable(f"{failure} '{name}' cannot be remapped to '{value}', as one is not a valid name")
+                raise _unreadable(f"{failure} '{name}' cannot be remapped to '{value}': both must be valid names")
             if not name.startswith("rosservice://"):
                 self.remappings.append(Rule(node, name, value))
             return
@@ -174,7 +174,7 @@ def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def parameter_value(text: str) -> Any:
-    """Parse a parameter's value. As in rcl's YAML, ``1e3`` is a number and ``y`` a boolean.
+    """Parse a parameter's value. As in rcl's YAML, ``1e3`` is a number and ``y`` is a boolean.
 
     Raises:
         ValueError: the text is neither a scalar nor a list of scalars of one type.

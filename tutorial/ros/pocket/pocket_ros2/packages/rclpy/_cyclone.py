@@ -1,4 +1,4 @@
-"""The middleware on Cyclone DDS: implements what `rclpy._transport` describes."""
+"""The middleware on Cyclone DDS, which implements `rclpy._transport`."""
 
 import ctypes
 import os
@@ -39,16 +39,16 @@ FATAL_AND_ERROR = 3
 turn off. Warnings about the configuration itself are printed before this setting takes effect."""
 UNLIMITED = -1
 INCOMPATIBLE = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILITY", 24: "TYPE"}
-"""DDS's numbers for what can make a writer and a reader incompatible: policies, and their types."""
+"""DDS's numbers for what can make a writer and a reader incompatible: a policy, or their message types."""
 MANY = 4096
-"""Maximum number of entries in one read; there are never that many."""
+"""Maximum number of entries in one read; in practice, there are never that many."""
 
 TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 """Offsets of these pointers in Cyclone DDS's ``dds_builtintopic_endpoint_t`` [words of 8 bytes], after two guids and a
 handle. An entry for a participant also begins with a guid, followed by these policies."""
 PARTICIPANT_QOS = 2
 MADE_FOR = "11.0.1"
-"""The verified version of the package cyclonedds: its C API does not guarantee these offsets."""
+"""The version of the package cyclonedds for which the offsets were verified: its C API does not guarantee them."""
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
@@ -86,8 +86,8 @@ class Payload:
 
 
 SampleInfo.__new__ = staticmethod(msgspec.defstruct("SampleInfo", ["python_class", *SampleInfo.__match_args__]))
-# Replaced by a constructor in C. Cyclone DDS's C code makes one for each sample, and crashes if that raises, as a
-# Python method does when Ctrl-C interrupts it.
+# Replaced by a constructor in C. Cyclone DDS's C code constructs one for each sample, and crashes if the constructor
+# raises an exception, as one written in Python does when Ctrl-C interrupts it.
 
 
 @cache
@@ -321,8 +321,8 @@ class Participant:
     def leave(self) -> None:
         """Close the participant and its entities. If it is the process's last one, also free ports and threads.
 
-        Its entities must not be deleted before it. Cyclone DDS's Python package frees a message type with its last
-        topic, although a domain reads the type of its first message, an announcement of nodes, until the end
+        Don't delete its entities first. Cyclone DDS's Python package frees a message type with its last topic. However,
+        a domain reads the type of its first message, an announcement of nodes, until the domain itself is deleted
         (``serdata_eqkey`` in its C code). A participant deletes its topics last.
         """
         with lock:
@@ -334,7 +334,7 @@ class Participant:
         """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
         Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader exists only during the call,
-        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, also
+        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, partly
         because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would convert
         the policies of all entries, and replace Ctrl-C with an exception of its own.
         """
@@ -362,8 +362,8 @@ def join(domain_id: int) -> Participant:
     _check_version()
     if _forked:
         raise RCLError(
-            "failed to create a participant: this process was made by os.fork() from one that has nodes. Start it "
-            "with subprocess, or with multiprocessing's method 'spawn'."
+            "failed to create a participant: this process was created by os.fork() from one that has nodes. Start "
+            "it with subprocess, or with multiprocessing's method 'spawn'."
         )
     with lock:
         try:
@@ -417,7 +417,7 @@ def close(entity: core.Entity) -> None:
     """Delete an entity now.
 
     Cyclone DDS's Python objects do this in their finaliser, which is safe to run early and more than once. Without this
-    call it would run only when the last reference is gone.
+    call, it would run only once the last reference is gone.
     """
     with lock:
         entity.__del__()

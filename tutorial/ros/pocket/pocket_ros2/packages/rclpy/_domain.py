@@ -1,6 +1,6 @@
 """The DDS domain to join, with limits on who can discover this process.
 
-By default nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
+By default, nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
 """
 
 import errno
@@ -21,16 +21,16 @@ TURN_ON_LOOPBACK = "sudo ifconfig lo0 up" if sys.platform == "darwin" else "sudo
 UNREACHABLE = (errno.ENETUNREACH, errno.ENETDOWN, errno.EADDRNOTAVAIL)
 
 lock = threading.RLock()
-"""Hold this to make, list or delete an entity of the middleware: Cyclone DDS's Python package cannot handle one thread
-deleting an entity that another thread uses to make something. A fork waits for it, so that the child inherits no
-half-made entity."""
+"""Hold this to create, list or delete an entity of the middleware: Cyclone DDS's Python package fails if one thread
+deletes an entity while another thread creates something with it. A fork waits for this lock, so that the child inherits
+no half-created entity."""
 
 
 def default_domain_id() -> int:
     """Return the domain in ``ROS_DOMAIN_ID``, or 0 if it is not set.
 
     Raises:
-        RCLError: it is not a number from 0 to 232.
+        RCLError: ``ROS_DOMAIN_ID`` is not a number from 0 to 232.
     """
     text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
     if not (text.isdecimal() and int(text) <= MAX_DOMAIN_ID):
@@ -46,7 +46,7 @@ def configuration() -> str:
     added to this configuration, as in ROS 2's own use of Cyclone DDS.
 
     Raises:
-        RCLError: the range is none of these, or a peer cannot be found.
+        RCLError: the range is not one of these, or a peer cannot be found.
     """
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") or "LOCALHOST"
     peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
@@ -65,14 +65,14 @@ def configuration() -> str:
 
 
 def _address(peer: str) -> str:
-    """Return a peer's IP address. Cyclone DDS would end the process if its own lookup failed."""
+    """Return a peer's IP address. Cyclone DDS would terminate the process if its own lookup failed."""
     host, colon, port = peer.strip().partition(":")
     try:
         if colon and not 0 < int(port) < 65_536:
             raise ValueError("there is no such port")
         return socket.gethostbyname(host) + colon + port
     except (OSError, ValueError) as error:
-        text = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found ({error})."
+        text = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which cannot be found ({error})."
         raise RCLError(f"{text} Give addresses such as 192.168.1.20, separated by semicolons.") from None
 
 
@@ -91,7 +91,7 @@ def likely_cause(error: Exception) -> str:
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (
-        f"{error} Usually too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
+        f"{error} Usually, too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
         "here). Stop some, or set ROS_DOMAIN_ID to a different number."
     )
 

@@ -56,7 +56,7 @@ class Endpoint(Destroyable):
         return self._topic_name
 
     def destroy(self) -> None:
-        """Destroy the endpoint. Idempotent. Messages that wait for a callback are dropped.
+        """Destroy the endpoint. Idempotent. Messages that are waiting for a callback are dropped.
 
         As in rclpy, the node still lists it. A real rclpy's executors fail on such a node, so a warning is logged once.
         """

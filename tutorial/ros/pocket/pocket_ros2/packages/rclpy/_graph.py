@@ -18,7 +18,7 @@ AT_ONCE = 256
 """Maximum number of announcements to take at once, so that a constant stream of them cannot block the caller."""
 LONGEST = 32_768
 """Maximum size of an announcement [bytes]: about 100 nodes in one process, with all their publishers. Decoding it takes
-about 10 ms, or 40 during a garbage collection; a query for nodes decodes at most two of them."""
+about 10 ms, or 40 ms during a garbage collection; a query for nodes decodes at most two of them."""
 
 TOPIC, TYPE_NAME = "ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo"
 WRITER_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -32,7 +32,7 @@ class Graph:
         participant: the participant.
 
     Attributes:
-        participant: as given.
+        participant: the given participant.
         changes: the reader whose messages the executor waits for before it calls :meth:`listen`.
     """
 
@@ -69,7 +69,7 @@ class Graph:
     def nodes(self) -> list[NodeInfo]:
         """Return all known nodes, this process's own nodes first.
 
-        Each call decodes about :data:`LONGEST` bytes of announcements at most, and leaves the rest to the next call.
+        Each call decodes at most about :data:`LONGEST` bytes of announcements, and leaves the rest for the next call.
         """
         with lock:
             self.listen()
@@ -82,13 +82,13 @@ class Graph:
             return [*self._local, *(node for nodes in self._remote.values() for node in nodes)]
 
     def owners(self) -> dict[bytes, NodeInfo]:
-        """Return nodes by the identifiers of their writers and readers."""
+        """Return the nodes, keyed by the identifiers of their writers and readers."""
         return {guid: node for node in self.nodes() for guid in (*node.writers, *node.readers)}
 
     def is_complete(self) -> bool:
         """Return whether all discovered ROS 2 programs have announced their nodes, and all endpoints are discovered.
 
-        Discovery finds the programs first. Fast DDS announces its nodes at once, or seconds later.
+        Discovery finds the programs first. With Fast DDS, their nodes may be announced only seconds later.
         """
         with lock:
             owned, announced = self.owners().keys(), {self.participant.guid, *self._remote}
@@ -97,7 +97,7 @@ class Graph:
             return not self._unread and not unknown and owned <= found
 
     def listen(self) -> None:
-        """Take new announcements, and drop participants that are gone: a killed process announces nothing.
+        """Take new announcements, and drop participants that have left: a killed process announces nothing.
 
         The executor calls this regularly, because announcements would pile up in a program that never queries the
         graph. Only a query decodes them, and only the newest one of each participant.
@@ -124,5 +124,5 @@ class Graph:
         except RCLError as error:
             self._ignored += 1
             self._remote.setdefault(gid, [])
-            text = f"{self._ignored} announcements of nodes have been ignored. The last: {error}"
+            text = f"{self._ignored} announcements of nodes have been ignored. The last one: {error}"
             self._logger.warning(text, throttle_duration_sec=10.0)

@@ -6,7 +6,7 @@ except ImportError as error:
     if not (error.name or "").startswith("cyclonedds"):
         raise
     raise ImportError(
-        "The pocket ROS 2 needs the package cyclonedds, which is not installed. If pip finds none (Linux on ARM), "
+        "The pocket ROS 2 needs the package cyclonedds, which is not installed. If pip cannot find it (Linux on ARM), "
         "use a real ROS 2 Jazzy: https://docs.ros.org/en/jazzy/Installation.html"
     ) from error
 

@@ -13,8 +13,8 @@ from rclpy.exceptions import (
 )
 
 Rules = list[list[list[str]]]
-"""Patterns that match invalid names, each with an error message; group 1 marks the position. Patterns are in groups. In
-the first group that matches, the pattern that matches earliest in the name determines the message."""
+"""Lists of patterns that match invalid names. Each pattern has an error message, and its group 1 marks the position of
+the error. In the first list with a match, the pattern that matches earliest in the name determines the message."""
 
 RULES: dict[str, Rules] = json.loads(Path(__file__).with_name("name_rules.json").read_text(encoding="utf-8"))
 NODE_NAME, TOPIC_NAME, FULL_TOPIC_NAME, NAMESPACE = RULES.values()

@@ -23,15 +23,15 @@ class NodeGraph(NodeNames):
     _context: Context
 
     def get_node_names(self) -> list[str]:
-        """Return the names of all nodes in all processes; a name that two nodes have appears twice."""
+        """Return the names of all nodes in all processes; a name that two nodes share appears twice."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """Return (name, namespace) of all nodes in all processes."""
+        """Return the (name, namespace) of each node in all processes."""
         return [(node.node_name, node.node_namespace) for node in self._ask(Graph.nodes)]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of all topics, sorted by name.
+        """Return (topic, types) for each topic, sorted by name.
 
         Args:
             no_demangle: list all DDS topics, with their names on the wire.
@@ -41,21 +41,21 @@ class NodeGraph(NodeNames):
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of a node's publishers; raise NodeNameNonExistentError for an unknown node."""
+        """Return (topic, types) for a node's publishers; raise NodeNameNonExistentError for an unknown node."""
         return self._topics_of((node_name, node_namespace), PUBLISHERS, no_demangle)
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) of a node's subscriptions, as for publishers."""
+        """Return (topic, types) for a node's subscriptions, as for publishers."""
         return self._topics_of((node_name, node_namespace), SUBSCRIPTIONS, no_demangle)
 
     def count_publishers(self, topic_name: str) -> int:
-        """Return the number of publishers on a topic in all processes; its name is not remapped."""
+        """Return the number of publishers on a topic in all processes; the topic's name is not remapped."""
         return len(self._endpoints(PUBLISHERS, f"rt{self._expanded(topic_name)}"))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """Return the number of subscriptions on a topic in all processes; its name is not remapped."""
+        """Return the number of subscriptions on a topic in all processes; the topic's name is not remapped."""
         return len(self._endpoints(SUBSCRIPTIONS, f"rt{self._expanded(topic_name)}"))
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
@@ -63,7 +63,7 @@ class NodeGraph(NodeNames):
 
         Args:
             topic_name: the topic's name, which is remapped.
-            no_mangle: the name is the topic's name in DDS.
+            no_mangle: whether ``topic_name`` is the topic's name in DDS.
         """
         return self._infos(PUBLISHERS, topic_name, no_mangle)
 

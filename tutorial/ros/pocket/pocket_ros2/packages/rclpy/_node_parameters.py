@@ -97,12 +97,12 @@ class NodeParameters:
 
         Args:
             namespace: prefix of each name, followed by a dot unless it is empty.
-            parameters: one tuple for each: its name, its value or type, and its descriptor. The last two are optional.
+            parameters: a tuple for each: its name, its value or type, and its descriptor. The last two are optional.
             ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             TypeError: a tuple is too long or empty, or an element has the wrong type.
-            ParameterAlreadyDeclaredException: one has already been declared; then none of them is declared.
+            ParameterAlreadyDeclaredException: one has already been declared, so this call declares none of them.
             InvalidParameterTypeException: the command line's value is of a different type.
             InvalidParameterValueException: a descriptor or a callback rejects a value; earlier parameters stay
                 declared.
@@ -157,7 +157,7 @@ class NodeParameters:
         return parameter
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
-        """Return the parameters below a prefix, keyed by the rest of their names. An empty prefix returns all."""
+        """Return the parameters under a prefix, by the rest of their names. An empty prefix returns all of them."""
         start = prefix + PARAMETER_SEPARATOR_STRING if prefix else ""
         return {
             name.removeprefix(start): parameter

@@ -1,7 +1,7 @@
-"""The interface to the middleware: send and receive bytes, wait, and list who takes part.
+"""The interface to the middleware: send and receive bytes, wait, and list participants and endpoints.
 
-A middleware is a module with a function ``join(domain_id)``, which returns a `Participant`, with its exception, called
-``TransportError``, and with the functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` for a participant's
+A middleware is a module with the function ``join(domain_id)``, which returns a `Participant`, and the exception
+``TransportError``. Its functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` convert a participant's
 announcement of its nodes, whose bytes 4 to 19 are the participant's identifier. `rclpy._cyclone` is the middleware on
 Cyclone DDS; the book's page ``drive`` has its own. `rclpy._middleware` names the one in use. All methods can be
 called from any thread.

@@ -18,7 +18,7 @@ from rclpy._rclpy_pybind11 import RCLError
 
 PRIMITIVES: dict[str, Any] = {name: getattr(types, name) for name, of in values.PRIMITIVES.items() if of.code}
 PRIMITIVES |= {"bool": bool, "string": str, "byte": types.array[types.uint8, 1]}
-"""Cyclone DDS's types for the primitives. rclpy's byte is a ``bytes`` of length 1, here declared as a uint8 array."""
+"""Cyclone DDS's types for the primitives. In rclpy, a byte is a ``bytes`` of length 1; here it is an array of uint8."""
 
 _lock = threading.RLock()
 
@@ -60,7 +60,7 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     """Deserialise a message, ignoring padding and anything after the last field.
 
     Raises:
-        RCLError: the bytes are not such a message.
+        RCLError: the bytes are not a message of this type.
     """
     try:
         return cdr.decode(data, message_type)

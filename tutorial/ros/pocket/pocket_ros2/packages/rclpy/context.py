@@ -56,10 +56,10 @@ class Context:
         Args:
             args: the command line; None uses ``sys.argv``.
             initialize_logging: configure logging from the command line.
-            domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0.
+            domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0 if that is not set.
 
         Raises:
-            RuntimeError: the context has been started before, or the domain is negative.
+            RuntimeError: the context has already been started, or the domain is negative.
             RCLError: an argument or an environment variable is invalid.
         """
         with _domain.lock:
@@ -125,7 +125,9 @@ class Context:
                 callback()
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Call a function on shutdown, or immediately after it; call a method only if its object still exists.
+        """Call a function on shutdown, or at once if the context has already been shut down.
+
+        A method is called only if its object still exists.
 
         Raises:
             TypeError: the callback is not callable.

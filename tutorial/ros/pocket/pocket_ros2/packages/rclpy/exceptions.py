@@ -7,7 +7,7 @@ from _absent import NeedsRealROSError as NeedsRealROSError  # noqa: PLC0414
 from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (re-export)
 
 
-class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, as all below)
+class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, like all names below)
     """``rclpy.init()`` has not been called."""
 
     def __init__(self, message: str | None = None) -> None:

@@ -372,7 +372,7 @@ class Node(NodeGraph, NodeParameters):
         return True
 
     def _endpoints_changed(self) -> None:
-        with self._lock:  # so that the last announcement is the current one
+        with self._lock:  # so that the last announcement is up to date
             there = [entity for entity in (*self._entities, self._rosout) if entity and not entity._destroyed]
             writers = [entity.guid for entity in there if isinstance(entity, Publisher)]
             readers = [entity.guid for entity in there if isinstance(entity, Subscription)]

@@ -22,7 +22,7 @@ class Parameter:
 
     Raises:
         TypeError: parameters cannot have such a value.
-        ValueError: the value is not of the type given.
+        ValueError: the value is not of the given type.
     """
 
     class Type(Enum):
@@ -44,7 +44,7 @@ class Parameter:
             """Return the type of a value.
 
             Raises:
-                TypeError: the value is of none of these types.
+                TypeError: the value is not of any of these types.
             """
             for type_ in cls:
                 if type_._describes(parameter_value):

@@ -129,7 +129,7 @@ class QoSProfile:
         avoid_ros_namespace_conventions: use the topic's name unchanged in DDS.
 
     Raises:
-        InvalidQoSProfileException: neither history nor depth is given, or ``KEEP_LAST`` without a depth.
+        InvalidQoSProfileException: neither history nor depth is given, or ``KEEP_LAST`` is given without a depth.
         AssertionError: a setting is of the wrong type, or is unknown.
     """
 

@@ -20,7 +20,7 @@ def deserialize_message(serialized_message: bytes, message_type: type[Message]) 
 
     Raises:
         AttributeError: the type is not a message type.
-        RCLError: the bytes are not such a message.
+        RCLError: the bytes are not a message of this type.
     """
     check_message_type(message_type)
     return decode(serialized_message, message_type)

@@ -111,14 +111,14 @@ class Timer(Destroyable):
         return True
 
     def clock_has_jumped(self, before: int, switched: bool) -> None:
-        """Adjust to a clock's jump as rcl does: start again after a jump back, keep the remaining time after a switch.
+        """Adjust to a clock's jump as rcl does: restart after a jump backwards, keep the remaining time after a switch.
 
         Args:
             before: the clock's time before the jump [ns].
             switched: whether the clock switched between the system's time and simulated time.
         """
         now, period = self.clock._timer_ns(), self.timer_period_ns
-        if switched and not now:  # no message on /clock yet: the first one counts as a jump back
+        if switched and not now:  # no message on /clock yet: the first one counts as a jump backwards
             self._last_call = self._next_call = 2**63 - 1
         elif switched and before:
             self._last_call = now - (self._next_call - before)  # rcl subtracts the remaining time, too

@@ -12,8 +12,8 @@ from tf2_ros.transform_broadcaster import as_list
 class StaticTransformBroadcaster:
     """Publishes transforms on ``/tf_static``, where late subscribers receive them, too.
 
-    Each message contains all transforms so far. As in tf2_ros 0.36.4, the first transform of a child frame is kept, and
-    later ones are ignored.
+    Each message contains all transforms sent so far. As in tf2_ros 0.36.4, the first transform of a child frame is
+    kept, and later ones are ignored.
 
     Args:
         node: the node that publishes.

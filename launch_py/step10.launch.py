@@ -1,0 +1,30 @@
+"""Step 10: like step 3, with a simulation that answers requests and can be tuned."""
+
+from pathlib import Path
+
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess
+
+PROJECT = Path(__file__).resolve().parent.parent / "project"
+
+
+def generate_launch_description():
+    return LaunchDescription(
+        [
+            ExecuteProcess(
+                name="joystick",
+                cmd=["tank", "joy", "--ros-args", "-r", "__node:=joystick"],
+                output="screen",
+            ),
+            ExecuteProcess(
+                name="simulation",
+                cmd=["tank", "run", str(PROJECT / "step10.yaml"), "--ros-args", "-r", "__node:=simulation"],
+                output="screen",
+            ),
+            ExecuteProcess(
+                name="viewer",
+                cmd=["tank", "run", str(PROJECT / "step3.yaml"), "--ros-args", "-r", "__node:=viewer"],
+                output="screen",
+            ),
+        ]
+    )

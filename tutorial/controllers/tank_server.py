@@ -1,0 +1,126 @@
+"""Step 10: answer requests, and let other programs tune the controller."""
+
+from collections.abc import Callable, Sequence
+from math import sqrt
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.parameter import Parameter
+from std_srvs.srv import SetBool, Trigger
+
+from tutorial.body import Joint
+from tutorial.controller import ControllerConfig, ControllerIO
+from tutorial.controllers.tank_controller import D_GAIN, P_GAIN, AimedJoint, TankController
+from tutorial.errors import RefusedError
+from tutorial.handoff import Latest
+
+INERTIA = 0.34  # [kg.m^2] of the turret with its barrel, about the turret's axis
+
+
+class TankServer(TankController):
+    """Drive as in step 1, offer two services, and take the gains from parameters."""
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Declare the gains as parameters, and create the services. All names begin with the body's name."""
+        super().configure(config)
+        name, self.ask = config.body.name, config.ask
+        p_gain = ("p_gain", P_GAIN, gain("stiffness of turret and barrel [N.m/rad]", 1000.0))
+        d_gain = ("d_gain", D_GAIN, gain("damping of turret and barrel [N.m.s/rad]", 100.0))
+        declared = self.node.declare_parameters(name, [p_gain, d_gain])
+        self.gains = Latest({parameter.name: parameter.value for parameter in declared})
+        self.node.add_on_set_parameters_callback(self.check_gains)
+        self.node.add_post_set_parameters_callback(self.use_gains)
+        self.motors_on = True
+        self.reset_service = self.node.create_service(Trigger, f"{name}/reset", self.on_reset)
+        self.motors_service = self.node.create_service(SetBool, f"{name}/set_motors", self.on_set_motors)
+
+    def on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:  # executor's thread
+        """Have the tank put back, and answer when that is done."""
+        return self.answer(response, self.reset)
+
+    def on_set_motors(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        """Have the motors switched on or off, and answer when that is done."""
+        return self.answer(response, self.set_motors, request.data)
+
+    def answer(self, response: Any, function: Callable[..., str], *args: object) -> Any:  # executor's thread
+        """Have the simulation thread call a function, and report in the response what it did, or why it cannot."""
+        try:
+            response.message = self.ask(function, *args)
+            response.success = True
+        except RefusedError as refusal:
+            response.message = str(refusal)
+        return response
+
+    def check_gains(self, parameters: Sequence[Parameter]) -> SetParametersResult:  # executor's thread
+        """Refuse gains with which turret and barrel would swing. ROS 2 itself checks that each is in its range."""
+        p_gain, d_gain = self.tuned(parameters).values()
+        least = sqrt(2.0 * INERTIA * p_gain)  # the damping ratio is then 0.7
+        if d_gain < least:
+            reason = f"with a p_gain of {p_gain:g}, a d_gain of {d_gain:g} lets the turret swing: {least:.1f} is enough"
+            return SetParametersResult(successful=False, reason=reason)
+        return SetParametersResult(successful=True)
+
+    def use_gains(self, parameters: Sequence[Parameter]) -> None:  # executor's thread: put and return
+        """Use the new gains from the next step on."""
+        self.gains.put(self.tuned(parameters))
+
+    def tuned(self, parameters: Sequence[Parameter]) -> dict[str, float]:
+        """Return all gains, with those that are being set. The list may contain parameters of others."""
+        new = {parameter.name: parameter.value for parameter in parameters}
+        return {name: new.get(name, value) for name, value in self.gains.get().items()}
+
+    def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
+        """Look up the tracks and the joints, as in step 1; but the joints use the newest gains."""
+        super().initialize(io)
+        self.io = io
+        self.turret = TunedJoint(io.body.joint("TURRET_Y"), io.time_step, self.gains)
+        self.barrel = TunedJoint(io.body.joint("TURRET_P"), io.time_step, self.gains)
+
+    def control(self) -> None:  # simulation thread, every step
+        """Do as in step 1, unless the motors are off."""
+        super().control()
+        if not self.motors_on:
+            self.track_l.ctrl = self.track_r.ctrl = self.turret.joint.effort = self.barrel.joint.effort = 0.0
+
+    def reset(self) -> str:  # simulation thread, between two steps
+        """Put the tank back to its start, and aim where its joints are then."""
+        self.io.body.reset()
+        self.initialize(self.io)
+        return f"{self.io.body.name} is back at its start"
+
+    def set_motors(self, on: bool) -> str:  # simulation thread, between two steps
+        """Switch the motors on or off."""
+        self.motors_on = on
+        return f"the motors are {'on' if on else 'off'}"
+
+    def unconfigure(self) -> None:  # main thread
+        """Stop answering and listening."""
+        self.node.destroy_service(self.reset_service)
+        self.node.destroy_service(self.motors_service)
+        self.node.remove_on_set_parameters_callback(self.check_gains)
+        self.node.remove_post_set_parameters_callback(self.use_gains)
+        for name in self.gains.get():
+            self.node.undeclare_parameter(name)
+        super().unconfigure()
+
+
+class TunedJoint(AimedJoint):
+    """An aimed joint whose gains may change at every step."""
+
+    def __init__(self, joint: Joint, time_step: float, gains: Latest[dict[str, float]]) -> None:
+        super().__init__(joint, time_step)
+        self.gains = gains
+
+    def aim(self, stick: float) -> None:
+        """Move the reference as in step 1, and set the torque with the newest gains."""
+        q_ref, q_prev = self.q_ref, self.q_prev
+        super().aim(stick)  # keeps the new values
+        p_gain, d_gain = self.gains.get().values()
+        dq_ref, dq = (self.q_ref - q_ref) / self.time_step, (self.q_prev - q_prev) / self.time_step
+        self.joint.effort = p_gain * (self.q_ref - self.q_prev) + d_gain * (dq_ref - dq)
+
+
+def gain(description: str, largest: float) -> ParameterDescriptor:
+    """Describe a gain, which is between 0 and a largest value."""
+    limits = FloatingPointRange(from_value=0.0, to_value=largest)
+    return ParameterDescriptor(description=description, floating_point_range=[limits])

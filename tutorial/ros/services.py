@@ -1,0 +1,140 @@
+"""List services, and call them, as ``ros2 service list``, ``type`` and ``call`` do. This needs a real ROS 2.
+
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+"""
+
+import asyncio
+import time
+from collections.abc import AsyncGenerator, Callable, Iterator
+from contextlib import contextmanager
+from math import inf
+from typing import Any
+
+from rclpy.node import Node
+
+from tutorial.errors import TutorialError
+from tutorial.ros.backend import need_real_ros
+from tutorial.ros.topics.graph import DISCOVERY_TIMEOUT, wait_for_graph
+from tutorial.ros.topics.names import escape_name, is_hidden, service_class
+from tutorial.ros.topics.populate import populated_request
+
+LOOK_EVERY = 0.02  # [s] between checks for a service, or for a response
+
+
+def services_with_types(node: Node) -> dict[str, list[str]]:
+    """Return the types of each service, sorted by the services' names, without hidden ones."""
+    return {name: types for name, types in sorted(node.get_service_names_and_types()) if not is_hidden(name)}
+
+
+async def service_list(node: Node, show_types: bool = False) -> str:
+    """List the services, like ``ros2 service list``; first wait until the graph is known.
+
+    Args:
+        node: the node that queries the graph; its thread must spin.
+        show_types: add each service's type, as with ``-t``.
+
+    Returns:
+        One line for each service.
+
+    Raises:
+        TutorialError: this is the pocket ROS 2.
+    """
+    need_real_ros("A service")
+    await wait_for_graph(node)
+    lines = (
+        f"{escape_name(name)} [{', '.join(map(escape_name, types))}]\n" if show_types else f"{escape_name(name)}\n"
+        for name, types in services_with_types(node).items()
+    )
+    return "".join(lines)
+
+
+async def service_type(node: Node, service: str) -> str:
+    """Return the types of a service, like ``ros2 service type``, one in each line; wait briefly for the service.
+
+    Args:
+        node: the node that queries the graph; its thread must spin.
+        service: its full name.
+
+    Raises:
+        TutorialError: there is no such service, or this is the pocket ROS 2.
+    """
+    need_real_ros("A service")
+    await wait_for_graph(node, lambda: service in services_with_types(node))
+    types = services_with_types(node).get(service)
+    if types is None:
+        raise TutorialError(f"Unknown service '{escape_name(service)}'")
+    return "".join(f"{escape_name(name)}\n" for name in types)
+
+
+async def service_call(
+    node: Node, service: str, type_name: str, values: str = "{}", timeout: float = inf
+) -> AsyncGenerator[str, None]:
+    """Call a service, like ``ros2 service call``; if it is not there, wait for it.
+
+    Args:
+        node: the node that calls; its thread must spin.
+        service: the service's name.
+        type_name: its type, such as ``"std_srvs/srv/Trigger"``.
+        values: the fields of the request in YAML.
+        timeout: the longest wait for the service, and for its response [s].
+
+    Yields:
+        Text, as ``ros2 service call`` prints it.
+
+    Raises:
+        TutorialError: the type or a value is invalid, with the error text of ``ros2``; the time is up, or this is the
+            pocket ROS 2.
+    """
+    need_real_ros("A service")
+    kind = service_class(type_name)
+    request = populated_request(kind, values)
+    with client(node, kind, service) as made:
+        if not await is_ready(made, DISCOVERY_TIMEOUT):
+            yield "waiting for service to become available...\n"
+            if not await is_ready(made, timeout):
+                raise TutorialError(f"There is no service '{escape_name(service)}' after {timeout:g} s")
+        yield f"requester: making request: {request!r}\n\n"
+        yield f"response:\n{await response_to(made, request, timeout)!r}\n\n"
+
+
+@contextmanager
+def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
+    """Make a client of a service, for the duration of the context.
+
+    Args:
+        node: the node that calls.
+        kind: the class of the service's type.
+        service: the service's name.
+    """
+    made = node.create_client(kind, service)
+    try:
+        yield made
+    finally:
+        node.destroy_client(made)
+
+
+async def is_ready(made: Any, timeout: float) -> bool:
+    """Wait until a client has found its service. Return False on timeout [s]."""
+    return await _until(made.service_is_ready, timeout)
+
+
+async def response_to(made: Any, request: Any, timeout: float = inf) -> Any:
+    """Send a request with a client, and wait for the response.
+
+    Raises:
+        TutorialError: there is no response after the timeout [s].
+    """
+    future = made.call_async(request)
+    if not await _until(future.done, timeout):
+        raise TutorialError(f"The service '{escape_name(made.srv_name)}' has not responded within {timeout:g} s")
+    return future.result()
+
+
+async def _until(condition: Callable[[], bool], timeout: float) -> bool:
+    """Wait until a condition holds. Return False on timeout [s]."""
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        await asyncio.sleep(LOOK_EVERY)
+    return True
