@@ -11,7 +11,7 @@ from tutorial.ros.doctor.report import report
 from tutorial.ros.doctor.rules import diagnose
 from tutorial.system.paths import HOME
 
-CAUSES = ["name", "type", "silent", "domain", "reliability", "late", "clock", "dropped"]
+CAUSES = ["name", "type", "silent", "domain", "reliability", "late", "clock", "unknown"]
 
 pytestmark = pytest.mark.process
 
