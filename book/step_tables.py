@@ -16,6 +16,7 @@ STEPS = (
     ("camera_publisher", "a publisher of the camera's images", "`/Tank/camera/image`"),
     ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
     ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
+    ("nothing_arrives", "fixes: eight times, a viewer shows nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
 )
 """Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 

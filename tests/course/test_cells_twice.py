@@ -11,7 +11,7 @@ from tutorial.system.paths import HOME
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 
-pytestmark = [pytest.mark.process, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.process, pytest.mark.timeout(600)]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -11,7 +11,7 @@ from tutorial.system.paths import HOME
 
 LONGEST_FIRST = sorted((HOME / "notebooks").glob("*.ipynb"), key=lambda path: -path.stat().st_size)
 
-pytestmark = [pytest.mark.browser, pytest.mark.screen, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.browser, pytest.mark.screen, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")

@@ -23,6 +23,10 @@ FIRST = "an answer may choose the step of the first message"
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
 FOUR_AXES = "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]"
 AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2])"
+DROPPED = "return 'dropped' if facts.unmoved > facts.received / 2 else None"
+DURABLE = "durable = [each for each in reliable if each.transient_local or not subscription.transient_local]"
+KEPT = "kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)"
+KEPT_TURNED = "kept = QoSProfile(depth=DurabilityPolicy.TRANSIENT_LOCAL, durability=1)"
 LATEST = "self.call_latest(self.body.name, self.update, message)"
 TOLD = "self.body.notify_change({})"
 TOLD_OTHERWISE = becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions"))
@@ -103,6 +107,19 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             "for _, message in messages:",
             "for message, message in messages:",
             "for stamp, message in messages:",
+        ),
+    },
+    "find_cause": {
+        "a number is whole": becomes(DROPPED, DROPPED.replace("/ 2", "// 2")),
+        UNRELATED: (swapped(DURABLE, "if not same:; return 'type'"),),
+        "it only matters whether the list is empty": becomes(
+            DURABLE, DURABLE.replace("[each", "[same"), DURABLE.replace("[each", "[reliable")
+        ),
+    },
+    "reach": {
+        "TRANSIENT_LOCAL is 1": becomes(KEPT, KEPT_TURNED),
+        "any depth keeps the newest message; rclpy replaces a depth of 0": becomes(
+            KEPT, KEPT.replace("=1", "=2"), KEPT.replace("=1", "=0")
         ),
     },
 }

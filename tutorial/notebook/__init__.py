@@ -13,6 +13,7 @@ from tutorial.checks.progress import Overview
 from tutorial.notebook.bag_tools import bag_play
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, keep, log, until
+from tutorial.notebook.faults import start_fault, stop_fault
 from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
 from tutorial.notebook.service_tools import (
@@ -24,7 +25,7 @@ from tutorial.notebook.service_tools import (
     service_call,
     service_list,
 )
-from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list, why
+from tutorial.notebook.topic_tools import node_list, topic_echo, topic_hz, topic_info, topic_list, why
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.column import Column
 from tutorial.notebook.widgets.image_view import ImageView
@@ -50,6 +51,7 @@ __all__ = [
     "line_plot",
     "log",
     "node_graph",
+    "node_list",
     "open_node",
     "open_program",
     "param_describe",
@@ -62,6 +64,8 @@ __all__ = [
     "service_list",
     "side_by_side",
     "start_command",
+    "start_fault",
+    "stop_fault",
     "swimlane",
     "topic_echo",
     "topic_hz",

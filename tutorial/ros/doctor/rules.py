@@ -116,7 +116,7 @@ def _full(facts: Facts) -> Found | None:
 # Causes between a publisher and a subscription
 
 
-def _misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
+def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
     """Return the names of the rules that keep a publisher and a subscription apart (DDS 1.4, section 2.2.3)."""
     known = publisher.hash and subscription.hash
     tests = {
@@ -132,7 +132,7 @@ def _misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
 
 def _fits(subscription: Endpoint, publishers: Sequence[Endpoint]) -> bool:
     """Return whether a subscription receives messages from any of the publishers."""
-    return any(not _misfits(publisher, subscription) for publisher in publishers)
+    return any(not misfits(publisher, subscription) for publisher in publishers)
 
 
 def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Found | None]:
@@ -146,8 +146,8 @@ def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Foun
     def find(facts: Facts) -> Found | None:
         here = (facts.here,) if facts.here else ()
         for subscription in (*facts.subscriptions, *here) if facts.publishers else ():
-            publisher = min(facts.publishers, key=lambda each: len(_misfits(each, subscription)))
-            if name in _misfits(publisher, subscription):
+            publisher = min(facts.publishers, key=lambda each: len(misfits(each, subscription)))
+            if name in misfits(publisher, subscription):
                 asks, offers = escape_name(text(subscription)), escape_name(text(publisher))
                 return Found(f"{_who(subscription)} asks for {asks}, and {_who(publisher)} offers {offers}.")
         return None

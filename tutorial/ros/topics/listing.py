@@ -36,6 +36,19 @@ def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, lis
     return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}
 
 
+async def node_list(node: Node) -> str:
+    """List the nodes, like ``ros2 node list``, without hidden ones; first wait until the graph is known.
+
+    Args:
+        node: the node that queries the graph; its thread must spin.
+
+    Returns:
+        One line for each node.
+    """
+    await wait_for_graph(node)
+    return "".join(f"{escape_name(name)}\n" for name in node_names(node))
+
+
 async def topic_list(node: Node, show_types: bool = False) -> str:
     """List the topics, like ``ros2 topic list``, without hidden ones; first wait until the graph is known.
 
