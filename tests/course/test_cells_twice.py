@@ -9,7 +9,7 @@ from pictures import need_pictures
 
 from tutorial.system.paths import HOME
 
-NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(400)]
 
