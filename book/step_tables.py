@@ -16,7 +16,7 @@ STEPS = (
     ("camera_publisher", "a publisher of the camera's images", "`/Tank/camera/image`"),
     ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
     ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
-    ("services", "services, clients and parameters, a deadlock and its repairs", "the services `/Tank/reset`, `/Tank/set_motors`"),
+    ("services", "services, clients and parameters, a deadlock and its repairs", "`/Tank/reset`, `/Tank/set_motors`"),
 )
 """Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 

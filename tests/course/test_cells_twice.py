@@ -6,6 +6,7 @@ import nbformat
 import pytest
 from kernels import kernel
 from pictures import need_pictures
+from real_ros import need_ros_for
 
 from tutorial.system.paths import HOME
 
@@ -16,6 +17,7 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(400)]
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_every_cell_runs_twice_in_a_row(path, domain, tmp_path, monkeypatch):
+    need_ros_for(path)
     if "camera" in path.stem:
         need_pictures()
     for part in ("notebooks", "project", "launch_py"):

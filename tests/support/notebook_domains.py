@@ -11,8 +11,8 @@ import pytest
 from jupyter_client.manager import KernelManager
 from nbval.plugin import IPyNbFile
 from pictures import need_pictures
+from real_ros import need_ros_for
 
-from tutorial.ros.backend import ros_backend
 from tutorial.ros.domains import reserved_domain
 
 _open: dict[IPyNbFile, ExitStack] = {}
@@ -27,11 +27,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip the cells of a notebook that needs what this machine or this run lacks: images, or a real ROS 2."""
-    notebook = item.parent.path.stem if isinstance(item.parent, IPyNbFile) else ""
-    if notebook == "6_camera_publisher":
-        need_pictures()
-    if notebook == "10_services" and ros_backend() == "pocket":
-        pytest.skip("services need a real ROS 2: see make test-ros2")
+    if isinstance(item.parent, IPyNbFile):
+        need_ros_for(item.parent.path)
+        if item.parent.path.stem == "6_camera_publisher":
+            need_pictures()
 
 
 @pytest.hookimpl(wrapper=True)

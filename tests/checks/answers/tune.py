@@ -11,6 +11,11 @@ REASON = 'reason=f"together {total:g} m/s, which is above 2.5"'
 DECLARE = "self.node.declare_parameter(name, value, descriptor)"
 
 
+EACH = (
+    "total = max(each.value + dict(zip(('turn', 'speed'), self.limits())).get(each.name, 0.0) for each in parameters)"
+)
+
+
 class OneByOne(TrackLimits):
     def configure(self, config):
         self.node = config.node
@@ -72,6 +77,7 @@ WRONG = [
         edited(tune, (" if each.name in new", ""), ('new["speed"] + new["turn"]', "sum(new.values())")),
         "Leave the others",
     ),
+    (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "You probably use only the new values"),
     (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
     (edited(tune, (f", {REASON}", "")), "give no reason with the sum"),
     (
@@ -85,6 +91,9 @@ WRONG = [
     (edited(tune, ("to_value=2.0", "to_value=5.0")), "a description and a range"),
     (edited(tune, ('self.node.undeclare_parameter("turn")', "pass")), "undeclare both parameters"),
     (edited(tune, ("self.node.remove_on_set_parameters_callback(self.check)", "pass")), "remove the callback"),
-    (edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")), "a different limit"),
+    (
+        edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")),
+        "or test each parameter by itself",
+    ),
     (edited(tune, ("> 2.5", ">= 2.5")), "You probably refuse 2.5 itself"),
 ]

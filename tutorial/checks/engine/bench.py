@@ -74,9 +74,13 @@ class Bench:
         self.node = self._own.node
         displayed, self.body = bodies(trial, "tank", name)
         self._before = self._made()
-        with trial.calling("__init__"):
-            self.learner = trial.answer()
-        self.do("configure", ControllerConfig(displayed, self.node, _drop, _drop, self.requests.ask))
+        try:
+            with trial.calling("__init__"):
+                self.learner = trial.answer()
+            self.do("configure", ControllerConfig(displayed, self.node, _drop, _drop, self.requests.ask))
+        except BaseException:
+            self.close()
+            raise
 
     def do(self, method: str, *arguments: Any) -> None:
         """Call one of the learner's methods."""
