@@ -47,6 +47,14 @@ class _Thread(SpinThread[WatchedNode]):
     def failed(self, error: BaseException) -> None:
         self.error = self.error or error
 
+    def close(self) -> None:
+        self._stopping.set()
+        self._thread.join(self.timeout)
+        if self._thread.is_alive():  # the learner's callback does not return: it ends with the process
+            self.alive.discard(self)
+        else:
+            super().close()
+
 
 class Bench:
     """Run a learner's controller on its own node, and make requests from a second one.
@@ -70,7 +78,7 @@ class Bench:
 
     def __init__(self, trial: Trial, name: str = "Tank") -> None:
         self.trial, self.requests, self.asked, self.took = trial, RequestQueue(), list[str](), 0.0
-        self._own, self._other = _Thread(WatchedNode, "tank"), _Thread(WatchedNode, "other")
+        self._own, self._other = _Thread(WatchedNode, f"tank_{id(trial)}"), _Thread(WatchedNode, "other")
         self.node = self._own.node
         displayed, self.body = bodies(trial, "tank", name)
         self._before = self._made()
