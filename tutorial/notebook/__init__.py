@@ -117,14 +117,14 @@ def open_watched_node(name: str, executor: Callable[..., Executor] = SingleThrea
 
 
 async def end_deadlock(node: WatchedNode) -> None:
-    """Wait until a callback of a node waits for itself; print how, and end the wait with a `DeadlockError`.
+    """Wait until a callback of a node waits for itself; print how, and end the wait with a `DeadlockError`. Idempotent.
 
     Raises:
         TutorialError: no callback did so for 30 s.
     """
-    await until(node.deadlocks, "a deadlock")
-    print_text("".join(f"{text}\n" for text in node.deadlocks().values()))
+    await until(lambda: node.deadlocks() or node.ended, "a deadlock")
     node.end_deadlocks()
+    print_text("".join(f"{text}\n" for text in node.ended))
     thread = next(each for each in SpinThread.alive if each.node is node)
     with suppress(TutorialError):  # an executor with several threads reports an exception with the next callback
         await until(lambda: thread.error, timeout=1.0)

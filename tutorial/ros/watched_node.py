@@ -59,10 +59,12 @@ class WatchedNode(MeteredNode):
 
     Attributes:
         spans: the newest spans, in the order in which they began.
+        ended: the texts of the deadlocks that `end_deadlocks` has ended.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         self.spans: deque[Span] = deque(maxlen=KEPT)
+        self.ended: list[str] = []
         self._running = threading.local()
         super().__init__(*args, **kwargs)
 
@@ -94,6 +96,7 @@ class WatchedNode(MeteredNode):
     def end_deadlocks(self) -> None:
         """Have a `DeadlockError` raised in each callback that waits in vain. Thread-safe."""
         for wait, text in self.deadlocks().items():
+            self.ended.append(text)
             wait.future.set_exception(DeadlockError(text))
 
     def _explain(self, wait: Span) -> str:

@@ -18,7 +18,7 @@ from tutorial.ros.node_thread import SpinThread
 from tutorial.ros.watched_node import WatchedNode
 
 LOOK = 0.01  # [s] between checks of a condition
-LOOKS = 200  # number of checks after which a request counts as unanswered
+LOOKS = 500  # number of checks after which a request counts as unanswered
 NO_SERVICE = "You probably don't create the service in configure, or with a different name or type."
 UNANSWERED = (
     "You probably wait for a response that cannot arrive, or return before you have it. "
@@ -106,16 +106,17 @@ class Bench:
                 return response
 
             self._other.node.create_service(Trigger, f"/{name}", answer)
-        self._wait(lambda: all(client.service_is_ready() for client in self.node.clients))
+        self._wait(lambda: all(self._know_each_other(client) for client in self.node.clients))
 
     def ask(self, service: str) -> str:
         """Make a request, and describe the response."""
         client = self._other.node.create_client(Trigger, service)
-        if not self._wait(client.service_is_ready):
+        if not self._wait(lambda: client.service_is_ready() and self.node.count_clients(service)):
             raise Failure("configure", Misuse(f"there is no service {service} of the type Trigger", NO_SERVICE))
         began = time.monotonic()
         future = client.call_async(Trigger.Request())
-        if not self._wait(lambda: future.done() or self._own.error) or not future.done():
+        self._wait(lambda: future.done() or self._own.error or self.node.deadlocks())
+        if not future.done():
             raise self._failure(service)
         self.took = time.monotonic() - began
         return f"{'yes' if future.result().success else 'no'}: {future.result().message}"
@@ -134,6 +135,10 @@ class Bench:
             self._wait(lambda: self._own.error)  # or rclpy prints that nobody has retrieved the exception
         self._own.close()
         self._other.close()
+
+    def _know_each_other(self, client: Any) -> bool:
+        """Return whether a client has discovered its service, and the service its client: both can be too early."""
+        return bool(client.service_is_ready() and self._other.node.count_clients(client.srv_name))
 
     def _failure(self, service: str) -> Failure:
         """Find out why there is no response."""
