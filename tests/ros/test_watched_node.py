@@ -1,5 +1,7 @@
 """A watched node, on a real ROS 2: it records its callbacks, and finds those that wait for themselves."""
 
+import gc
+import time
 from contextlib import ExitStack
 from functools import partial
 
@@ -106,3 +108,17 @@ async def test_done_callbacks_are_recorded_and_rclpys_own_are_not(domain):
         relay.node.end_deadlocks()
         await until(lambda: relay.spans("on_done"))
         assert {span.label for span in relay.node.spans} == {"on_tick", "call", "on_done"}
+
+
+def test_closing_waits_for_all_threads_of_the_executor(domain, capfd):
+    def tick():
+        time.sleep(0.003)
+
+    for _ in range(5):
+        with SpinThread(WatchedNode, "busy", executor=TWO) as thread:
+            for _ in range(3):
+                thread.node.create_timer(0.001, tick, callback_group=ReentrantCallbackGroup())
+            time.sleep(0.03)
+        del thread
+        gc.collect()
+    assert capfd.readouterr().err == ""

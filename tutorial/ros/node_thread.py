@@ -259,6 +259,9 @@ class SpinThread(Generic[AnyNode]):
 
     def _leave(self) -> None:
         self._thread.join()
+        running, pool = (getattr(self._executor, name, None) for name in ("_work_tracker", "_executor"))
+        if pool is not None and running is not None and running.wait(self.timeout):
+            pool.shutdown()  # Jazzy's MultiThreadedExecutor does not wait for its threads
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
