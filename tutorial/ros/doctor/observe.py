@@ -41,7 +41,7 @@ ALONE_AFTER = 1.0  # [s] without a publisher; then the other domains are searche
 READ_EVERY = 0.1  # [s] between two reads of the graph
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CLOCK = "/clock"
-# [s] how long messages that were sent earlier, and kept by their publisher, may still arrive; after that, an old stamp
+# [s] how long messages that were sent earlier, and kept by their publisher, can still arrive; after that, an old stamp
 # only shows that another clock is behind
 KEPT_FOR = 2.0
 MATCHED = 1000  # maximum number of joint states to match

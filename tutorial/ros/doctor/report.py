@@ -32,7 +32,7 @@ def _summary(facts: Facts) -> str:
 
 
 def _arrived(facts: Facts) -> str:
-    """Return how many messages arrived at the doctor, whose QoS is compatible even if other subscriptions' isn't."""
+    """Describe how many messages arrived at the doctor. Its own QoS is always compatible with the publisher's."""
     if not facts.seconds:
         return ""
     messages = f"{facts.received or 'No'} message{'s' * (facts.received != 1)}"
