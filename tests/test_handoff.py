@@ -19,7 +19,7 @@ from tutorial.handoff import CallQueue, Latest, RequestQueue
 
 
 async def until_idle(queue: CallQueue) -> None:
-    """Let the loop run until no call waits."""
+    """Let the loop run until no call is waiting."""
     while len(queue):
         await asyncio.sleep(0)
     await asyncio.sleep(0)
