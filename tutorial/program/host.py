@@ -256,7 +256,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
 
     def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Have the simulation's thread run a function. Refuse before there is one: controllers join earlier."""
+        """Have the simulation's thread run a function. Refuse until the simulation exists: controllers join earlier."""
         if self.simulation is None:
             raise RefusedError(NO_SIMULATION)
         return self.simulation.world.requests.ask(function, *args, timeout=timeout)

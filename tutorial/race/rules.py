@@ -9,7 +9,7 @@ from typing import Any
 LIMIT = 40.0  # [s] the longest race
 REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
 SPACING = 0.01  # [m] between the points that count
-PATIENCE = 10.0  # [s] how long a tank can make no progress, before the end of the line, until its race ends
+PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
 PAUSE = 0.5  # [s] how long a contact has to be interrupted before it counts again
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
