@@ -170,7 +170,7 @@ async def race(
     before = fingerprint()
     async with AsyncExitStack() as stack:
         domain = stack.enter_context(reserved_domain(os.environ.get("ROS_DOMAIN_ID")))
-        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # inherited
+        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # for the driver
         scene = Scene()
         host = await stack.enter_async_context(Host(project, None, View(scene) if view or html else None))
         if view:

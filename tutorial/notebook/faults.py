@@ -18,7 +18,7 @@ NAME = "fault"  # of the running program in the registry; only one runs at a tim
 
 
 async def start_fault(number: int, source: str | None = None) -> Command:
-    """Stop the previous broken program, start one in a separate process, and wait until it is visible.
+    """Start a broken program in a separate process, after stopping the previous one; wait until it is visible.
 
     A program in a different domain never becomes visible, so the wait is short.
 
