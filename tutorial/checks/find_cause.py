@@ -13,20 +13,20 @@ all is well:
 - `"silent"`: there is a publisher, and no message arrives.
 - `"dropped"`: messages arrive, and more than half of them move no joint.
 
-One publisher that fits is enough for a subscription. In each graph, at most one subscription has none.
+One compatible publisher is enough for a subscription. In each graph, at most one subscription lacks one.
 
-Hint 1: Look at the list of causes: without a publisher, only two are possible. And one publisher that fits is enough
-for a subscription, so look at all of them before you blame one.
+Hint 1: Look at the list of causes: without a publisher, only two are possible. And one compatible publisher is
+enough for a subscription, so look at all publishers before you blame one.
 
-Hint 2: Return early. First the two causes without a publisher. Then, for each subscription, narrow the publishers down:
-those of its type, of these the ones that are reliable enough, of these the ones that are durable enough. The first of
-these lists that is empty names the cause. Only then look at the messages.
+Hint 2: Return early. Start with the two causes without a publisher. Then narrow down the publishers for each
+subscription: first to those of its type, then to those that are also reliable enough, then to those that are also
+durable enough. The first empty list names the cause. Only then look at the messages.
 
 Hint 3: same = [each for each in facts.publishers if each.type == subscription.type], then [each for each in same if
 each.reliable or not subscription.reliable], and the same with transient_local. If not facts.received: "clock" if
 any(each.node in facts.clock_users for each in facts.publishers) and not facts.clock_ticks, otherwise "silent".
 
-Notice that this is how `tank doctor` works: a list of causes, and the first one that the facts support.
+Notice that `tank doctor` works like this: it goes through a list of causes, and names the first that the facts support.
 """
 
 from typing import Any
@@ -59,41 +59,41 @@ def cause_of(facts: Facts) -> str | None:
 
 
 MISTAKES = [
-    Mistake("you want reliability to be equal on both sides. "
+    Mistake("you require the same reliability on both sides. "
             "A subscription that is not reliable accepts any publisher.",
             replace("if each.reliable or not subscription.reliable", "if each.reliable == subscription.reliable",
                     "if each.reliable")),
     Mistake("you test reliability the wrong way round: the subscription asks, "
             "and the publisher has to offer at least as much.",
             replace("if each.reliable or not subscription.reliable", "if subscription.reliable or not each.reliable")),
-    Mistake("you want durability to be equal on both sides. A VOLATILE subscription accepts any publisher.",
+    Mistake("you require the same durability on both sides. A VOLATILE subscription accepts any publisher.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if each.transient_local == subscription.transient_local", "if each.transient_local")),
     Mistake("you test durability the wrong way round: the subscription asks, "
             "and the publisher has to offer at least as much.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if subscription.transient_local or not each.transient_local")),
-    Mistake("you look only at the first publisher. A subscription needs one publisher that fits: look at all of them.",
+    Mistake("you check only the first publisher. A subscription needs one compatible publisher: check all of them.",
             replace("facts.publishers if each.type", "facts.publishers[:1] if each.type")),
-    Mistake("you look only at the first subscription. Look at all of them: one may fit, and another one not.",
+    Mistake("you check only the first subscription. Check all of them: only one of them may be incompatible.",
             replace("in facts.subscriptions", "in facts.subscriptions[:1]")),
-    Mistake("you want every publisher to fit. One that fits is enough for a subscription.",
+    Mistake("you require every publisher to be compatible. One is enough for a subscription.",
             replace("if not same:", "if len(same) < len(facts.publishers):")
             + replace("if not reliable:", "if len(reliable) < len(same):")
             + replace("if not durable:", "if len(durable) < len(reliable):")),
-    Mistake("you blame the clock although its messages arrive. Test clock_ticks, too.",
+    Mistake("you blame the clock although its messages arrive. Also test clock_ticks.",
             replace("waiting and not facts.clock_ticks", "waiting")),
     Mistake("you blame the clock although no publisher follows it. "
             "Test whether the node of a publisher is in clock_users.",
             replace("waiting and not", "not", "facts.clock_users and not")),
-    Mistake("you report dropped messages as soon as one moves no joint. More than half have to.",
+    Mistake("you report dropped messages as soon as one moves no joint. It takes more than half of them.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved")),
-    Mistake("you report dropped messages only if all are. More than half are enough.",
+    Mistake("you report dropped messages only if no message moves a joint. More than half is enough.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved == facts.received")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: without a publisher, domain or nobody. Then for each subscription "
            "type, reliability and durability, over all publishers. Then clock or silent, "
-           "and at last dropped.")  # fmt: skip
+           "and finally dropped.")  # fmt: skip
 NAMES = "domain", "nobody", "type", "reliability", "durability", "clock", "silent", "dropped"
 A_NAME = f"Return one of {', '.join(map(repr, NAMES))}, or None."
 
@@ -136,11 +136,11 @@ ORDER = "You probably test the causes in a different order. Return the first one
 ALONE = "You probably look at something else first. Without a publisher, only found_in tells the two causes apart."
 TYPES = "You probably don't compare the types of both sides: each.type == subscription.type."
 CASES = [
-    Case("a publisher and a subscription that fit", graph(TANK)),
+    Case("a compatible publisher and subscription", graph(TANK)),
     Case("no publisher anywhere", graph(), ALONE, crashes=True),
     Case("a publisher in domain 5", graph(found_in=(5,)), ALONE, crashes=True),
     Case("publishers here and in domain 5", graph(TANK, found_in=(5,)),
-         "You probably look at other domains although there is a publisher here. Look at found_in only without one."),
+         "You probably look at other domains although there is a publisher here. Otherwise, ignore found_in."),
     Case("a publisher of Imu messages", graph(STRANGER), TYPES),
     Case("a publisher of String messages", graph(SPEAKER), TYPES),
     Case("a best-effort publisher, a reliable subscription", graph(SENSOR)),
@@ -149,11 +149,11 @@ CASES = [
     Case("a volatile publisher, a transient local subscription", graph(TANK, to=(LATE,))),
     Case("a transient local publisher, a volatile subscription", graph(KEEPER)),
     Case("both transient local", graph(KEEPER, to=(LATE,))),
-    Case("a best-effort publisher that keeps, a subscription that asks for both", graph(LOSER, to=(LATE,)), ORDER),
-    Case("two publishers, the second one fits", graph(SENSOR, TANK)),
-    Case("two publishers, the first one fits", graph(KEEPER, TANK, to=(LATE,))),
+    Case("a transient local best-effort publisher, a subscription that asks for both", graph(LOSER, to=(LATE,)), ORDER),
+    Case("two publishers, the second one is compatible", graph(SENSOR, TANK)),
+    Case("two publishers, the first one is compatible", graph(KEEPER, TANK, to=(LATE,))),
     Case("two publishers: one is reliable, the other one keeps messages", graph(TANK, LOSER, to=(LATE,)),
-         "You probably let one publisher be reliable and another one durable. A single publisher has to fit."),
+         "You probably accept a reliable publisher and a durable one. A single publisher has to be both."),
     Case("two publishers, one of a different type", graph(STRANGER, TANK)),
     Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE))),
     Case("no subscription", graph(TANK, to=())),

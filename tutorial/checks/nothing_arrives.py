@@ -1,4 +1,4 @@
-"""The exercises of step 9: find out why nothing arrives, and connect two programs that do not fit."""
+"""The exercises of step 9: find out why nothing arrives, and connect two incompatible programs."""
 
 from tutorial.checks.find_cause import find_cause
 from tutorial.checks.reach import reach

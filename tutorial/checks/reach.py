@@ -1,20 +1,21 @@
-"""The exercise `reach`: connect two programs that do not fit.
+"""The exercise `reach`: connect two incompatible programs.
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
 volatile. The program of a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
 `TRANSIENT_LOCAL`, because it often starts late. You can change neither.
 
-Write the class `Relay`, which connects them. `Relay(node)` gets a node that somebody spins, and creates a subscription
-and a publisher on it.
+Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning, and creates a
+subscription and a publisher on it.
 
-- Each of the robot's messages reaches the screen, unchanged, once, and in its order, even if it repeats the previous
-  one.
-- `on_joint_state` is the callback. It publishes at once, and makes nothing new: a publisher needs time to be found.
+- Each of the robot's messages reaches the screen, unchanged, exactly once and in order, even if it repeats the
+  previous one.
+- `on_joint_state` is the callback. It publishes immediately, and creates nothing: subscriptions take time to discover a
+  publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
 - A screen that starts late gets the robot's newest message.
 
-Hint 1: Look at both connections separately. In each, one side offers and the other asks. What does the relay have to
-ask of the robot, at most, and what does it have to offer to the screen, at least?
+Hint 1: Look at both connections separately. In each, one side offers and the other asks. What is the most that the
+relay can ask of the robot, and the least that it has to offer the screen?
 
 Hint 2: The subscription asks for no more than the robot offers: give it the robot's own profile. The publisher offers
 all that the screen asks for: a QoSProfile with a depth of 1, whose reliability is RELIABLE by default, and whose
@@ -24,7 +25,7 @@ Hint 3: kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL).
 node.create_publisher(JointState, "/wall/joint_state", kept), and then self.subscription =
 node.create_subscription(JointState, "/robot/joint_state", self.on_joint_state, qos_profile_sensor_data).
 
-Notice that a relay which asks for little and offers much connects almost any two programs.
+Notice that a relay that asks for little and offers much can connect almost any two programs.
 """
 
 from contextlib import suppress
@@ -59,7 +60,7 @@ class Relay:
 
 
 MISTAKES = [
-    Mistake("your subscription asks for RELIABLE, as with a number. "
+    Mistake("your subscription asks for RELIABLE, the default. "
             "The robot offers BEST_EFFORT: use qos_profile_sensor_data.",
             replace("self.on_joint_state, qos_profile_sensor_data", "self.on_joint_state, 10")),
     Mistake("your subscription asks for TRANSIENT_LOCAL. The robot offers VOLATILE: use qos_profile_sensor_data.",
@@ -74,7 +75,7 @@ MISTAKES = [
             replace("depth=1, durability", "depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, durability")),
     Mistake("your publisher offers what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
             replace('"/wall/joint_state", kept', '"/wall/joint_state", qos_profile_sensor_data')),
-    Mistake("you listen to the screen's topic, and publish on the robot's: it is the other way round.",
+    Mistake("you subscribe to the screen's topic, and publish on the robot's: swap the two.",
             both(replace('"/wall/joint_state"', "ROBOT"), replace('"/robot/joint_state"', "WALL"))),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: one subscription to /robot/joint_state with qos_profile_sensor_data, one "
@@ -97,7 +98,7 @@ def described(kind: type, qos: QoSProfile) -> Endpoint:
 class Wiring:
     """The robot and the screen, with the answer's relay between them.
 
-    Messages pass even where DDS would not connect, so that each case observes one thing.
+    Messages get through even where DDS would make no connection, so that each case observes only one thing.
 
     Attributes:
         node: the relay's node.
@@ -110,7 +111,7 @@ class Wiring:
         self._relay = trial.call(trial.answer, self.node)
 
     def send(self, message: JointState) -> None:
-        """Let the robot publish a message."""
+        """Have the robot publish a message."""
         subscriptions = self.node.subscriptions
         for each in [each for each in subscriptions if each.topic_name == ROBOT] or subscriptions:
             self._trial.call(each.callback, message)
@@ -122,22 +123,22 @@ class Wiring:
         return on_wall or [message for _, message in self._published]
 
     def heard(self, made: Made) -> str:
-        """Say whether one of the relay's subscriptions hears the robot."""
+        """Describe the connection from the robot to one of the relay's subscriptions."""
         robot = described(JointState, qos_profile_sensor_data)
         return _connection(made, ROBOT, misfits(robot, described(made.kind, made.qos)))
 
     def seen(self, made: Made) -> str:
-        """Say whether the screen hears one of the relay's publishers."""
+        """Describe the connection from one of the relay's publishers to the screen."""
         return _connection(made, WALL, misfits(described(made.kind, made.qos), described(JointState, ASKED)))
 
 
 class HastyNode(MemoryNode):
-    """A node on which a message arrives as soon as there is a subscription."""
+    """A node whose subscriptions receive a message as soon as they exist."""
 
     def create_subscription(self, *given: Any, **named: Any) -> Made:
-        """Make a subscription, and call its callback."""
+        """Create a subscription, and call its callback."""
         made = super().create_subscription(*given, **named)
-        with suppress(AttributeError):  # of the missing publisher; any other mistake fails in the other cases, too
+        with suppress(AttributeError):  # the publisher may be missing; other mistakes also fail in the other cases
             made.callback(message_of(0.5))
         return made
 
@@ -145,7 +146,7 @@ class HastyNode(MemoryNode):
 def _connection(made: Made, topic: str, problems: list[str]) -> str:
     if made.topic_name != topic:
         return f"on {made.topic_name}"
-    return f"these do not fit: {', '.join(problems)}" if problems else "connected"
+    return f"incompatible: {', '.join(problems)}" if problems else "connected"
 
 
 def from_robot(trial: Trial) -> str:
@@ -169,7 +170,7 @@ def message_of(angle: float) -> JointState:
 
 
 def shown(*angles: float, relays: int = 1) -> Run:
-    """Observe what the screen shows of some messages: each with a number, and what has changed in it."""
+    """Observe what the screen shows of some messages: the number in each, and whether it has changed."""
 
     def run(trial: Trial) -> list[str]:
         wirings = [Wiring(trial) for _ in range(relays)]
@@ -209,7 +210,7 @@ CASES = [
     Case("from the relay to the screen", to_screen,
          "You probably publish on a different topic or type, or create the publisher only in the callback."),
     Case("a message", shown(0.5),
-         "You probably publish a new message, change it, or publish it twice. Publish the one that you get, once."),
+         "You probably publish a new message, change it, or publish it twice. Publish the message that you get, once."),
     Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
          "You probably drop messages or change their order. Publish each message in the callback."),
     Case("the same message three times", shown(0.5, 0.5, 0.5),

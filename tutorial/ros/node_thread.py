@@ -229,7 +229,7 @@ class SpinThread(Generic[AnyNode]):
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Run no callbacks inside this context, except one that does not return in time."""
+        """Keep callbacks from running in this context, except one that does not return in time."""
         self._is_stuck = True
         self._unpaused.clear()
         try:

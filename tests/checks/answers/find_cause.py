@@ -98,7 +98,7 @@ WRONG += [
         (("each.reliable or not subscription.reliable", "each.reliable"), "accepts any publisher"),
         (("each.type == subscription.type", "each"), "you don't test `each.type == subscription.type`"),
         (("facts.unmoved > facts.received / 2", "facts.unmoved >= facts.received / 2"), "compare with >"),
-        (("in reliable if", "in same if"), "A single publisher has to fit"),
+        (("in reliable if", "in same if"), "A single publisher has to be both"),
         (("if facts.found_in", "if not facts.found_in"), "your condition is reversed"),
         (("if not facts.publishers:", "if facts.found_in:\n    return 'domain'\nif not facts.publishers:"), ELSEWHERE),
     ]

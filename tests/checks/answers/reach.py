@@ -47,7 +47,7 @@ class Counts(Relay):
 
 
 class Renamed:
-    """Take other names, and a local function."""
+    """Use different names."""
 
     def __init__(self, rclpy_node):
         self.to_wall = rclpy_node.create_publisher(JointState, WALL, KEPT)

@@ -136,10 +136,10 @@ def _fits(subscription: Endpoint, publishers: Sequence[Endpoint]) -> bool:
 
 
 def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Found | None]:
-    """Return a function that finds a subscription, or the doctor's own, that differs from each publisher.
+    """Return a function that finds a subscription, perhaps the doctor's own, that no publisher can reach.
 
     Args:
-        name: the name of the rule: what keeps the subscription from the publisher that is nearest to fitting it.
+        name: the name of the rule that keeps the subscription apart from the publisher with the fewest misfits.
         text: describes what an endpoint asks for or offers.
     """
 
@@ -405,8 +405,8 @@ RULES: dict[str, Rule] = {
     "deadline": Rule(
         "the deadlines are incompatible",
         _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
-        "A subscription with a deadline refuses a publisher without the promise to publish that often.",
-        "Give the subscription a longer deadline or none, or give the publisher a deadline that is short enough.",
+        "A subscription with a deadline refuses a publisher that does not promise to publish that often.",
+        "Remove or lengthen the subscription's deadline, or give the publisher a deadline that is short enough.",
     ),
     "liveliness": Rule(
         "the liveliness settings are incompatible",
@@ -438,7 +438,7 @@ RULES: dict[str, Rule] = {
     "range": Rule(
         "discovery is switched off",
         _range,
-        "A program whose discovery range is OFF finds no other program, not even on the same machine.",
+        "A program whose discovery range is OFF finds no other programs, not even on the same machine.",
         "Unset the variable, or set it to LOCALHOST, and restart the program.",
         command="export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST",
         look="printenv ROS_AUTOMATIC_DISCOVERY_RANGE",

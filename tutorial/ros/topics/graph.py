@@ -82,7 +82,7 @@ def _is_fast_dds() -> bool:
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
-    """Return all nodes, topics and services, some of the topics with the nodes that publish and subscribe."""
+    """Return all nodes, topics and services; for some topics, also the nodes that publish and subscribe."""
     snapshot: list[tuple[str, ...]] = []
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while any node has an empty name
@@ -90,7 +90,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while any name is not UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
-    services = getattr(node, "get_service_names_and_types", list)  # which the pocket ROS 2 does not have
+    services = getattr(node, "get_service_names_and_types", list)  # the pocket ROS 2 has no services
     with suppress(UnicodeDecodeError):
         snapshot += [(service, *types) for service, types in services()]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):

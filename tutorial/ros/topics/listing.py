@@ -37,10 +37,10 @@ def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, lis
 
 
 async def node_list(node: Node) -> str:
-    """List the nodes, like ``ros2 node list``, without hidden ones; first wait until the graph is known.
+    """Wait until the graph is known, then list the nodes that are not hidden, like ``ros2 node list``.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
 
     Returns:
         One line for each node.
@@ -50,7 +50,7 @@ async def node_list(node: Node) -> str:
 
 
 async def topic_list(node: Node, show_types: bool = False) -> str:
-    """List the topics, like ``ros2 topic list``, without hidden ones; first wait until the graph is known.
+    """Wait until the graph is known, then list the topics that are not hidden, like ``ros2 topic list``.
 
     Args:
         node: the node that queries the graph; it must be spinning on another thread.
