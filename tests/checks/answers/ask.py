@@ -106,7 +106,6 @@ WRONG = [
     (edited(ask, OWN_GROUP), "callback group of their own"),
     (edited(ask, ("opened = await", "opened =")), "Write await before it"),
     (edited(ask, SYNC, (f"await {OPEN}", f"{OPEN}.result()"), ("await ", "")), "no result before it is done"),
-    (OnAThread, "Never wait or loop in a callback"),
     (WithADoneCallback, TOO_EARLY),
     (edited(ask, (OPEN, "self.second"), (HOME, OPEN), ("self.second", HOME)), TOO_EARLY),
     (edited(ask, (f"return await {HOME}", f"await {HOME}\nreturn opened")), TOO_EARLY),
@@ -120,4 +119,5 @@ WRONG = [
     (edited(ask, ("self.node.destroy_client(self.go_home)", "pass")), LEFT),
     (edited(ask, ("self.node.destroy_service(self.service)", "pass")), LEFT),
     (edited(ask, ('"/pit_stop"', '"/pitstop"')), "with a different name or type"),
+    (OnAThread, "Never wait or loop in a callback"),  # last, because its service stays until its thread ends
 ]
