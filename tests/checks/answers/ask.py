@@ -81,7 +81,7 @@ class OnAThread(PitCrew):
     def on_pit_stop(self, request, response):
         waiting = threading.Thread(target=self.wait, args=[request, response], daemon=True)
         waiting.start()
-        waiting.join(4.0)
+        waiting.join(15.0)
         return response
 
     def wait(self, request, response):
@@ -99,11 +99,13 @@ TOO_EARLY = "return too early, ask in a different order, or return the wrong res
 LEFT = "leave something behind"
 WRONG = [
     (edited(ask, SYNC, *CALL), "wait for a response that cannot arrive"),
-    (edited(ask, SYNC, *CALL, ("call(Trigger.Request()", "call(_request, timeout_sec=0.1")), "None after its timeout"),
+    (
+        edited(ask, SYNC, *CALL, ("call(Trigger.Request()", "call(_request, timeout_sec=0.1")),
+        "wait for a response that cannot arrive",
+    ),
     (edited(ask, OWN_GROUP), "callback group of their own"),
     (edited(ask, ("opened = await", "opened =")), "Write await before it"),
     (edited(ask, SYNC, (f"await {OPEN}", f"{OPEN}.result()"), ("await ", "")), "no result before it is done"),
-    (OnAThread, "Never wait or loop in a callback"),
     (WithADoneCallback, TOO_EARLY),
     (edited(ask, (OPEN, "self.second"), (HOME, OPEN), ("self.second", HOME)), TOO_EARLY),
     (edited(ask, (f"return await {HOME}", f"await {HOME}\nreturn opened")), TOO_EARLY),
@@ -117,4 +119,5 @@ WRONG = [
     (edited(ask, ("self.node.destroy_client(self.go_home)", "pass")), LEFT),
     (edited(ask, ("self.node.destroy_service(self.service)", "pass")), LEFT),
     (edited(ask, ('"/pit_stop"', '"/pitstop"')), "with a different name or type"),
+    (OnAThread, "Never wait or loop in a callback"),  # last, because its service stays until its thread ends
 ]
