@@ -15,7 +15,7 @@ CHECKOUT = PACKAGE.parent
 POCKET = PACKAGE / "ros/pocket"
 COURSE = ("launch_py", "notebooks", "project")
 PAGES = ("bags", "comparison", "fleet", "glossary", "own_interfaces", "own_package", "teaching", "tools")
-JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
+JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT", "my_driver.py", "straight.py"}
 NO_OTHER = """
 import sys
 from pathlib import Path
