@@ -16,7 +16,7 @@ import pytest
 from tutorial.commands.tank import tank
 from tutorial.system.paths import HOME, find_drive, find_launch_file, find_model, find_project
 
-NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))
 POCKET = HOME / "tutorial/ros/pocket/README.md"
 PAGES = [HOME / name for name in ("README.md", "CONTRIBUTING.md", ".ci/README.md", "tests/README.md")]
 PAGES += sorted({*HOME.glob("book/*.md"), *HOME.glob("tutorial/**/README.md")} - {POCKET})
@@ -38,6 +38,7 @@ def test_commands_on_the_pages_are_valid(page, monkeypatch):
     monkeypatch.chdir(HOME)
     # click must accept paths that only the reader has
     monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))
+    monkeypatch.setattr(click.File, "convert", lambda _self, path, *_: path)
     blocks = re.findall(r"^```console\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL)
     for line in re.findall(r"^\$ (.*)", "\n".join(blocks), re.MULTILINE):
         words = shlex.split(line, comments=True)
