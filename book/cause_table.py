@@ -25,7 +25,7 @@ SIGNS = {
     "durability": "The subscription's terminal warns of `incompatible QoS` and `DURABILITY`.",
     "deadline": "The subscription's terminal warns of `incompatible QoS` and `DEADLINE`.",
     "liveliness": "The subscription's terminal warns of `incompatible QoS` and `LIVELINESS`.",
-    "clock": "`ros2 param get NODE use_sim_time` prints `True`, and `ros2 topic info /clock` `Publisher count: 0`.",
+    "clock": "`ros2 param get NODE use_sim_time` says `True`, and `ros2 topic info /clock` says `Publisher count: 0`.",
     "silent": "`ros2 topic info TOPIC` says `Publisher count: 1`, but `ros2 topic hz TOPIC` prints no rate.",
     "late": "`ros2 topic info -v TOPIC` says `Durability: VOLATILE`, and the publisher's program publishes only once.",
     "range": "`ros2 node list` in the program's terminal shows no other program.",

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tutorial.race import FINISHED, LIMIT, PATIENCE, REACH, STUCK, TIME_UP, Race, Result
+from tutorial.race.rules import FINISHED, LIMIT, PATIENCE, REACH, STUCK, TIME_UP, Race, Result
 
 STRAIGHT = [(0.0, 0.0), (2.0, 0.0)]
 CROSSING = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, -1.0)]

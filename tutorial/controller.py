@@ -47,7 +47,8 @@ class ControllerConfig:
         body: the displayed body; it belongs to the main thread.
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
         call_later: ``call_later(function, *args)``, called on any thread, runs the function on the main thread. No call
-            is lost, and the order is kept. Calls still waiting when the controller leaves its body are dropped.
+            is lost, and they run in the order of posting. Calls that are still waiting when the controller leaves its
+            body are dropped.
         call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
             key.
         ask: ``ask(function, *args)``, called on the executor's thread, has the simulation's thread run the function
@@ -59,7 +60,7 @@ class ControllerConfig:
     node: Node
     call_later: CallLater
     call_latest: CallLatest
-    ask: Ask = field(default_factory=lambda: RequestQueue().ask)  # refuses, as without a simulation
+    ask: Ask = field(default_factory=lambda: RequestQueue().ask)  # refuses every request
 
 
 class ControllerIO:
@@ -68,7 +69,7 @@ class ControllerIO:
     Attributes:
         body: the simulated body.
         time_step: the time step [s].
-        step: the number of steps since the program began. Stopping and starting again does not reset it.
+        step: the number of steps since the program began. Stopping and restarting does not reset it.
     """
 
     __slots__ = ("_step_ns", "body", "step", "time_step")
@@ -91,7 +92,7 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base of all controllers, with the original tutorial's names and methods. Each docstring names the calling thread.
+    """Base class of controllers, with the original tutorial's names and methods. Docstrings name the calling thread.
 
     On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, the calls between them are
     `initialize`, then `control` at every step, and finally `stop`.

@@ -12,7 +12,7 @@ WIDE_SPACES = "\u00a0\u3000"  # no-break and ideographic space: visible, though 
 
 
 class TutorialError(Exception):
-    """Base of every error that the library raises on purpose.
+    """Base class of every error that the library raises on purpose.
 
     Its text is written for the learner: what was given, what is wrong with it, and how to fix it.
     """

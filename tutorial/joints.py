@@ -29,7 +29,7 @@ REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH +
 # A jump ends near the position before last, or near a rival's, if it misses it by less than this part of its length.
 NEAR, NEAR_RIVAL = 1 / 5, 1 / 3
 COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
-SILENT_AFTER = 25  # dropped messages in a row, per rival, after which the followed publisher counts as silent
+SILENT_AFTER = 25  # dropped messages in a row, per rival, before the followed publisher counts as silent
 SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; any other jump cancels 1/4 of one
 Ranges = Mapping[str, tuple[float, float]]
 

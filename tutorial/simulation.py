@@ -20,7 +20,7 @@ USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between batches of steps
 LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
 REPORT_EVERY = 5.0  # [s] between warnings that the machine can't keep up
-STUCK = 3.0  # [s] that a caller waits for controllers to return
+STUCK = 3.0  # [s] how long a caller waits for controllers to return
 SLOW = 0.95  # times real time; if the simulation runs more slowly, the machine can't keep up
 LONGEST_BATCH = 0.1  # [s] of simulated time per batch of steps, so that a stop takes effect soon
 

@@ -114,7 +114,7 @@ class HandoffTrace:
             self._current.message = outer
 
     def post(self) -> Handoff:
-        """Record that a call is posted. Return its handoff; call `apply` or `supersede` on it later."""
+        """Record that a call was posted. Return its handoff; call `apply` or `supersede` on it later."""
         message: Handoff | None = getattr(self._current, "message", None)
         if message is not None and message.posted is None:  # the callback's first call
             message.posted = Moment.now()

@@ -13,7 +13,7 @@ from typing import Any
 MESSAGES = 300
 WARM_UP = 50
 PERIOD = 0.01  # [s]
-FLOOD = 2.0  # [s] during which messages are counted
+FLOOD = 2.0  # [s] how long messages are counted
 
 
 def publish(kind: str, pace: str) -> None:

@@ -44,7 +44,7 @@ def shout():
             pass
 """
 SLEEPER = "import sys, time; time.sleep(10_000)  # {}"
-LIMIT = 30  # [s] for an answer: judging one takes a second, or ten on a busy machine
+LIMIT = 30  # [s] time limit for an answer: judging one takes a second, or ten on a busy machine
 
 
 def notebook(path, *sources):

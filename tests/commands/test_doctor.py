@@ -11,7 +11,7 @@ from tutorial.errors import TutorialError
 JAZZY, RCLPY = {"ROS_DISTRO": "jazzy"}, ["7.1.3", "/opt/ros/jazzy/lib/rclpy/__init__.py", "rmw_fastrtps_cpp"]
 ZENOH = [*RCLPY[:2], "rmw_zenoh_cpp"]
 LIBCRYPTO, VULKAN = TutorialError("ImportError: libcrypto.so.3"), TutorialError("MUJOCO_GL is odd")
-OTHERS = "all machines in this network"
+OTHERS = "nodes on this network"
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ OTHERS = "all machines in this network"
         ("backend", "sourced", ZENOH, JAZZY, "note", "does not speak DDS", "export RMW_IMPLEMENTATION="),
         ("backend", "sourced", LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "TUTORIAL_ROS=pocket"),
         ("discovery", "pocket", 0, {}, "ok", "LOCALHOST: nodes on this machine only", ""),
-        ("discovery", "sourced", 0, {}, "note", f"SUBNET: nodes on {OTHERS}", "=LOCALHOST"),
+        ("discovery", "sourced", 0, {}, "note", f"SUBNET: all {OTHERS}", "=LOCALHOST"),
         ("discovery", "pocket", 0, {RANGE: "LOCAL"}, "problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}"),
         ("discovery", "pocket", 0, {"CYCLONEDDS_URI": "x"}, "note", "; CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
         ("domain", "pocket", [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: no other nodes", ""),

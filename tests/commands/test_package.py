@@ -63,9 +63,18 @@ def test_interface_package(here):
     assert set(said.splitlines()) >= {"my_msgs/msg/Target.msg", "    tank ros build my_msgs"}
 
 
-def test_interfaces_or_controller(here):
-    assert "not both" in make("my_msgs", "--interfaces", "--controller", "mine.py")
+@pytest.mark.parametrize("other", [["--controller", "mine.py"], ["--service"]])
+def test_one_kind_of_package(here, other):
+    assert "Give only one of" in make("my_msgs", "--interfaces", *other)
     assert not (here / "my_msgs").exists()
+
+
+def test_a_package_with_a_service(here):
+    said = make("my_server", "--service")
+    folder = here / "my_server"
+    assert files(folder) == files_of("my_server", "server")
+    assert depends(folder) == {"rclpy", "ros2launch", "sensor_msgs", "std_srvs"}
+    assert "    ros2 run my_server server\n" in said
 
 
 def test_a_controllers_package_runs_its_first_step(here):
@@ -113,8 +122,10 @@ def test_it_is_installed_where_ros2_looks_for_it(here):
 
 
 @pytest.mark.process
-@pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])
-def test_the_generated_test_passes(here, domain, arguments):
+@pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"], ["--service"]])
+def test_the_generated_test_passes(here, domain, arguments, backend):
+    if backend == "pocket" and "--service" in arguments:
+        pytest.skip("the pocket ROS 2 has no services")
     make("my_tank", *arguments)
     alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # Jazzy's plugins do not work with pytest 9
     assert "1 passed" in run("-m", "pytest", "-p", "tutorial", cwd=here / "my_tank", **alone)

@@ -145,7 +145,7 @@ def test_a_closed_pipe_ends_it(beside):
     ],
 )
 def test_rclpys_error_is_shown_unchanged(tank, monkeypatch, command, asked, error):
-    """rclpy raises it while a different program has a name that is empty or not valid text."""
+    """rclpy raises it while a different program has a name that is empty or not valid UTF-8."""
     monkeypatch.setattr(MeteredNode, asked, Mock(side_effect=error))
     run = tank(command)
     assert (run.status, f"Error: ROS 2 reports: {error}\n" in run.stderr) == (1, True)

@@ -16,7 +16,7 @@ def test_services_need_a_real_ros_2(tank, command):
 
 
 @pytest.mark.pocket
-@pytest.mark.parametrize("command", ["list", "list /x", "get /x y", "set /x y 1", "describe /x y", "dump /x"])
+@pytest.mark.parametrize("command", ["list", "list /x", "get /x y", "set /x y -1.0", "describe /x y", "dump /x"])
 def test_parameters_of_other_nodes_need_a_real_ros_2(tank, command):
     run = tank(f"param {command}")
     assert (run.status, run.stdout) == (1, "")

@@ -18,7 +18,7 @@ from tutorial.system.paths import find_project
 
 NAMES = {Trigger: "reset", SetBool: "set_motors"}
 DEPTH = 10
-"""How many requests wait in a service's queue at most. The oldest is lost if there are more."""
+"""The maximum number of requests in a service's queue. If there are more, the oldest is lost."""
 NOT_RUNNING = (False, "the simulation is not running. Start it, and ask again.")
 
 
@@ -71,7 +71,7 @@ async def test_motors_can_be_switched_off_and_on(step10):
             client = Client(thread.node)
             host.simulation.start()
             assert await client.call(SetBool, data=False) == (True, "the motors are off")
-            await until(lambda: barrel.position < -0.15, "the barrel falls: -10 degrees is as low as it can")
+            await until(lambda: barrel.position < -0.15, "the barrel falls: -10 degrees is as low as it can go")
             assert await client.call(SetBool, data=True) == (True, "the motors are on")
             await until(lambda: barrel.position > -0.02, "the barrel is raised again")
 

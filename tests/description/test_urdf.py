@@ -196,7 +196,7 @@ def test_every_link_of_an_unusual_model_is_where_mujoco_has_it(described):
 
 
 FIXED = (
-    "ball joints that are fixed (1), joints without a name that are fixed (1), "
+    "ball joints, which become fixed (1); unnamed joints, which become fixed (1); "
     "bodies that move freely relative to the root (1)"
 )
 
@@ -204,12 +204,12 @@ FIXED = (
 def test_differences_from_the_model_are_reported(described, caplog):
     top = " Differences from the MuJoCo model are "
     assert Robot(robot_description(body_of(MODELS / "tank.xml"))).comment == (
-        f"{top}tendons (2), equalities (8), joints of hidden groups that are fixed (10), ellipsoid shapes (10) "
+        f"{top}tendons (2); equalities (8); joints in hidden groups, which become fixed (10); ellipsoid shapes (10) "
     )
     assert Robot(robot_description(body_of(MODELS / "crane.xml"))).comment is None
     assert caplog.records == []
     _, robot = described(CURIOUS)
-    assert robot.comment == f"{top}shapes outside of bodies (1), ellipsoid shapes (1), {FIXED} "
+    assert robot.comment == f"{top}shapes outside of bodies (1); ellipsoid shapes (1); {FIXED} "
     said = [record.getMessage() for record in caplog.records]
     assert said == [f"the robot description of Robot does not move as the robot does: {FIXED}"]
 

@@ -22,7 +22,7 @@ from tutorial.checks.engine import contain
 from tutorial.checks.exercise import Exercise
 
 REQUIRED = 0.98  # share of an exercise's mutants that have to be rejected or equivalent
-LIMIT = 60.0  # [s] for a mutant; without a verdict by then, it was not rejected
+LIMIT = 60.0  # [s] time limit for a mutant; without a verdict by then, it was not rejected
 JOBS = 2
 
 Outcome = dict[Mutant, bool]  # whether each mutant is rejected

@@ -20,7 +20,7 @@ from tutorial.system.parent_watch import signal_group
 
 HERE = Path(__file__).parent
 KINDS = ("names", "messages", "encapsulations")
-SETTLED = 20  # tenths of a second that the viewer runs before the attack
+SETTLED = 20  # how many tenths of a second the viewer runs before the attack
 TIMEOUT = 60.0  # [s]
 BOUNDS = {
     "the main loop was blocked for {:.0f} ms, at most {:g} are allowed": 100.0,

@@ -34,8 +34,8 @@ from tutorial.ros.node_thread import NodeThread
 from tutorial.system.paths import find_project
 
 RATE = 1000  # [Hz]
-QUIET = 1.0  # [s] of silence after which no more messages are expected
-TIMEOUT = 60.0  # [s] for which one end waits for the other
+QUIET = 1.0  # [s] how long a silence has to last before no more messages are expected
+TIMEOUT = 60.0  # [s] how long each end waits for the other end
 TOPIC = "/Tank/joint_state"
 QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)

@@ -12,7 +12,7 @@ from tutorial.__main__ import main
 from tutorial.program.host import Host
 
 EVERY = 0.1  # [s] between two lines
-NAP = 0.005  # [s] after which the main loop should run again
+NAP = 0.005  # [s] how long the main loop sleeps before it should run again
 
 run = Host.run
 

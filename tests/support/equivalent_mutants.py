@@ -23,6 +23,10 @@ FIRST = "an answer may choose the step of the first message"
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
 FOUR_AXES = "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]"
 AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2])"
+DROPPED = "return 'dropped' if facts.unmoved > facts.received / 2 else None"
+DURABLE = "durable = [each for each in reliable if each.transient_local or not subscription.transient_local]"
+KEPT = "kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)"
+KEPT_TURNED = "kept = QoSProfile(depth=DurabilityPolicy.TRANSIENT_LOCAL, durability=1)"
 LATEST = "self.call_latest(self.body.name, self.update, message)"
 TOLD = "self.body.notify_change({})"
 TOLD_OTHERWISE = becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions"))
@@ -34,6 +38,12 @@ TWO = "if len(together) == 2:"
 DROP = "del self.waiting[next(iter(self.waiting))]"
 COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['joints'], together['pose'])"
 TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
+OPEN_DOOR, GO_HOME = (
+    f"self.{name} = self.node.create_client(Trigger, '/{name}', callback_group=group)"
+    for name in ("open_door", "go_home")
+)
+PIT_STOP = "self.service = self.node.create_service(Trigger, '/pit_stop', self.on_pit_stop)"
+DESCRIBED = "descriptor = ParameterDescriptor(description=f'limit of the {{{}}} [m/s]', floating_point_range=limits)"
 
 
 def now_and_then(what: str, rate: int) -> dict[str, tuple[str, ...]]:
@@ -104,5 +114,25 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             "for message, message in messages:",
             "for stamp, message in messages:",
         ),
+    },
+    "find_cause": {
+        "a number is whole": becomes(DROPPED, DROPPED.replace("/ 2", "// 2")),
+        UNRELATED: (swapped(DURABLE, "if not same:; return 'type'"),),
+        "it only matters whether the list is empty": becomes(
+            DURABLE, DURABLE.replace("[each", "[same"), DURABLE.replace("[each", "[reliable")
+        ),
+    },
+    "reach": {
+        "TRANSIENT_LOCAL is 1": becomes(KEPT, KEPT_TURNED),
+        "any depth keeps the newest message; rclpy replaces a depth of 0": becomes(
+            KEPT, KEPT.replace("=1", "=2"), KEPT.replace("=1", "=0")
+        ),
+    },
+    "ask": {
+        UNRELATED: (swapped(OPEN_DOOR, GO_HOME),),
+        "the check's first request comes after configure": (swapped(GO_HOME, PIT_STOP),),
+    },
+    "tune": {
+        "an answer may choose the descriptions": becomes(*map(DESCRIBED.format, ("name", "limits", "value"))),
     },
 }

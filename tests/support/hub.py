@@ -28,7 +28,7 @@ CONFIG = CHECKOUT / "tests/hub/jupyterhub_config.py"
 PROXY = CHECKOUT / ".venv/node_modules/.bin/configurable-http-proxy"
 NOTEBOOK = "notebooks/1_tank_controller.ipynb"
 START = "program.start()"
-LONG = 300.0  # [s] for a server or a cell: all students start at the same time
+LONG = 300.0  # [s] how long a server or a cell can take: all students start at the same time
 
 
 def cells() -> tuple[list[str], list[str]]:

@@ -5,7 +5,7 @@ import mujoco
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 
-DISTANCE = 4.0  # [m] of the box from a camera that looks along y, level with it
+DISTANCE = 4.0  # [m] between the box and a camera that looks along y, level with it
 
 MODEL = """
 <mujoco>

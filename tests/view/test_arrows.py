@@ -15,7 +15,7 @@ from tutorial.view.shapes import draw_arrow
 from tutorial.world import Placement
 
 RED, BLUE = "/Bodies/Tank/acceleration", "/Bodies/Tank/angular velocity"
-FRAMES = 40  # after which a smoothed arrow has come to rest
+FRAMES = 40  # enough for a smoothed arrow to come to rest
 
 
 class Stage:

@@ -125,7 +125,7 @@ def speeds(rig: Rig) -> str:
     """Describe the commanded speeds, and report any other commands."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
     more = ", and the turret or the barrel also moves" * any(turret)
-    more += ", and the displayed copy is commanded" * any(rig.displayed.data.ctrl)
+    more += ", and the displayed copy receives commands, too" * any(rig.displayed.data.ctrl)
     return f"left {left:+z.2f}, right {right:+z.2f} m/s{more}"
 
 

@@ -31,7 +31,8 @@ class Exercise:
     """One exercise of a notebook.
 
     Args:
-        name: the name of the exercise and its module. The answer needs a different name, or it would hide the exercise.
+        name: the name of the exercise and its module. The answer must have a different name; otherwise it
+            would shadow the exercise.
         text: the module's docstring: a title; the statement, which becomes the exercise's docstring; and paragraphs
             that begin with ``Hint 1: `` (what to look at), ``Hint 2: `` (how it is done), ``Hint 3: `` (nearly the
             code), and ``Notice`` (about a right answer).
@@ -154,7 +155,7 @@ def listing(part: Any) -> str:
         match node:
             case ast.arg(annotation=ast.expr() as kind) | ast.AnnAssign(annotation=kind):
                 shown = shown.replace(f": {ast.get_source_segment(source, kind)}", "")
-            case ast.FunctionDef(returns=ast.expr() as kind):
+            case ast.FunctionDef(returns=ast.expr() as kind) | ast.AsyncFunctionDef(returns=ast.expr() as kind):
                 shown = shown.replace(f" -> {ast.get_source_segment(source, kind)}:", ":")
             case ast.Expr(ast.Constant(str())):
                 shown = re.sub(rf"\n *{re.escape(ast.get_source_segment(source, node) or '')}", "", shown)

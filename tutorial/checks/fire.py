@@ -143,7 +143,7 @@ CASES = [
          "You probably wrote a configure that doesn't subscribe to "
          '"joy". Call super().configure(config) in it, or remove it.'),
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
-    Case("button 0 is held, in a second message", after((1, 0), (1, 0)),
+    Case("button 0 is still held in a second message", after((1, 0), (1, 0)),
          "You probably put True only when the button goes down. Put True while it is pressed."),
     Case("button 0 is released", after((1, 0), (0, 0)), "True stays: you probably don't put False after the "
          "release, or you ignore messages in quick succession."),

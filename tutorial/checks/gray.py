@@ -56,7 +56,7 @@ class GrayPublisher(SimpleController):
     """Publish what the camera sees in gray at 5 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Create the publisher, on a topic named after the body."""
+        """Create the publisher on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(Image, f"{config.body.name}/camera/gray", 1)
 
@@ -212,7 +212,7 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "time_ns")
 
 
 def stamps(trial: Trial, **options: Any) -> Any:
-    """Compare the stamps with the times of the requests, with steps of 7 ms."""
+    """Compare the stamps with the times of the requests, using steps of 7 ms."""
     rig = PUBLISHING.play(trial, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
         return f"{len(rig.orders)} of 8 pictures are requested"

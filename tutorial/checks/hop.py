@@ -201,8 +201,8 @@ STAYS = ("You probably put the body back in unconfigure even if it is "
          "down. First test whether it is up: self.timer is not None.")  # fmt: skip
 CASES = [
     Case("accelerations x y z [m/s²]", hopped(mistaken),
-         "You probably test a different condition. With a = message.linear_acceleration it is hypot(a.x, a.y) > 20, "
-         "without z, which contains gravity."),
+         "You probably test a different condition. With a = message.linear_acceleration, the condition is "
+         "hypot(a.x, a.y) > 20. Leave out z, because it includes gravity."),
     Case("after a blow", hopped(blow, Hall.where),
          "You probably put the body somewhere else, or change a copy of its position. Store "
          "self.body.position when the blow arrives, then set self.body.position to the stored x, y and z + 0.1."),

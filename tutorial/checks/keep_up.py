@@ -103,7 +103,7 @@ def drawn(viewer: Viewer, places: Sequence[str]) -> str:
 
 
 def in_any_order(viewer: Viewer) -> str:
-    """Observe what is shown if either thread interrupts the other at any instruction."""
+    """Observe what the viewer shows if either thread interrupts the other at any instruction."""
     stamps = count(100_000, 20)
     for interrupts_drawing in (True, False):
         for at in range(MOST):
@@ -128,7 +128,7 @@ OWN = [
          "with call_latest and one key, such as the body's name: a new call replaces a waiting one."),
     Case("then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
          "You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest."),
-    Case("a message that arrives while another one is being drawn", steps(in_any_order),
+    Case("a message that arrives while an earlier one is being drawn", steps(in_any_order),
          "You probably clear the flag of a waiting call too late, or keep a message in several "
          "parts. Pass the whole message with the call, and leave the rest to call_latest."),
 ]  # fmt: skip

@@ -73,7 +73,7 @@ MISTAKES = [
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
     Mistake("you drop a message too early. Look for the partner "
-            "first, then drop one if more than 50 messages wait.",
+            "first, then drop one if more than 50 messages are waiting.",
             replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: a message waits until the other "

@@ -10,7 +10,7 @@ that is `Tank/turret`, without a leading slash, so the topic is in the node's na
 - Each message names all joints of the body, `io.body.joints`, in this order, with position, velocity and effort.
 - The stamp is the simulated time of publication.
 - It works on any body, and with any time step up to 10 ms.
-- The simulation can be stopped and started again. Then `initialize` is called again, and `io.step` and `io.time_ns`
+- The simulation can be stopped and restarted. Then `initialize` is called again, and `io.step` and `io.time_ns`
   continue: they don't start at 0 again.
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
@@ -49,7 +49,7 @@ class SlowPublisher(SimpleController):
     """Publish position, velocity and effort of every joint at 25 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Create the publisher, on a topic named after the body."""
+        """Create the publisher on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
 

@@ -73,7 +73,8 @@ MISTAKES = [
             "not empty()` or get(timeout=...): wait for more with get().",
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
-    Mistake("something other than None, such as a flag, ends the thread while entries wait. Let only None end it.",
+    Mistake("something other than None, such as a flag, ends the thread while "
+            "entries are still waiting. Let only None end it.",
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
@@ -273,11 +274,11 @@ CASES = [
     Case("messages arrive one by one", tried(coming=[A, B, None]),
          "You probably continue after None, or change an entry: take one, exit the loop if it is None, "
          "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
-    Case("three messages wait in the queue", tried(A, B, C)),
-    Case("identical messages wait in the queue", tried(A, B, B, (9, b"A")),
+    Case("three messages are waiting in the queue", tried(A, B, C)),
+    Case("identical messages are waiting in the queue", tried(A, B, B, (9, b"A")),
          "You probably leave out a message that is identical to an earlier one. "
          "Write every entry: a repeated message is still a message."),
-    Case("a message arrives while it stops listening", tried(A, coming=[B]),
+    Case("a message arrives just as the recorder stops listening", tried(A, coming=[B]),
          "You probably stop listening too late, after put(None). Messages that arrive "
          "after None are never written: first destroy the subscription, then put None."),
 ]  # fmt: skip

@@ -77,12 +77,12 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def states(*messages: tuple[str, Sequence[float]]) -> Step:
-    """Make a step in which messages arrive, each 20 ms after the previous one, and the posted calls run."""
+    """Make a step that delivers messages, stamped 20 ms apart, and runs the calls that they post."""
     return heard(*[joint_state(*each, 100_200 + 20 * i) for i, each in enumerate(messages)])
 
 
 def wait_together(viewer: Viewer) -> str:
-    """Observe the joints after five messages whose calls wait at the same time."""
+    """Observe the joints after five messages whose calls are waiting at the same time."""
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()
@@ -159,7 +159,7 @@ SWAPPED = joint_state("P Y", (0.2, 0.1))
 ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
     *FIRST,
-    Case("five messages whose calls wait at the same time", steps(wait_together),
+    Case("five messages whose calls are waiting at the same time", steps(wait_together),
          "You probably lose messages, or change their order. Post one call "
          "for each message, with call_later, and pass the message along."),
     *LAST,

@@ -44,7 +44,7 @@ class ThriftyPublisher(SimpleController):
     """Publish the positions of the joints that have moved."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Create the publisher, on a topic named after the body."""
+        """Create the publisher on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 10)
 
@@ -138,7 +138,7 @@ def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe which joints are named in which period of 1/50 s; the first two periods count as one."""
+    """Observe which joints the messages name in each period of 1/50 s; the first two periods count as one."""
     steps = round(LOOK / rig.io.time_step)
     found = [f"{named(each.message)} in period {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}

@@ -55,7 +55,7 @@ MISTAKES = [
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
     Mistake("you subtract the message's stamp, which can be empty. "
-            "Store the seconds of the call in which the message is new.",
+            "Store the seconds of the first call with the new message.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
     Mistake("you compare the messages' contents. A stick held still sends "
@@ -113,7 +113,7 @@ CASES = [
          "Set self.since when the message is new, and only then. The first message is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
          "You probably don't set self.since in the first call. "
-         "Store the seconds of the call in which the message is new."),
+         "Store the seconds of the first call with the new message."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a held stick, an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),

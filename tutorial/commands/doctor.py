@@ -41,7 +41,7 @@ Kind = Literal["pocket", "folder", "pixi", "sourced"]
 
 RANGES = {
     "LOCALHOST": "nodes on this machine only",
-    "SUBNET": "nodes on all machines in this network",
+    "SUBNET": "all nodes on this network",
     "OFF": "no other node, not even on this machine",
     "SYSTEM_DEFAULT": "as configured in the middleware",
 }

@@ -15,9 +15,9 @@ import msgspec
 from sensor_msgs.msg import Joy
 
 from tutorial.errors import TutorialError
+from tutorial.model.yamlfile import YamlFile
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
-from tutorial.yamlfile import YamlFile
 
 
 class _Moment(msgspec.Struct, forbid_unknown_fields=True):
@@ -36,7 +36,7 @@ class ScriptedDrive:
     """A drive scripted in a YAML file: a list of times, each with the axes from then on.
 
     Args:
-        path: the file. With ``repeat: true`` the drive starts again at the time of its last entry.
+        path: the file. With ``repeat: true`` the drive restarts at the time of its last entry.
 
     Raises:
         TutorialError: the file is missing or malformed; the error gives the line and a fix.

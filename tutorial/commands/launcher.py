@@ -153,7 +153,7 @@ class Launcher:
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:
-        """Send a signal (or none, for 0) to every remaining process group; return whether any group remains."""
+        """Send a signal to every remaining process group (0 only checks for it); return whether any group remains."""
         for name, process in tuple(self._running.items()):
             if not parent_watch.signal_group(process.pid, number):
                 self._running.pop(name, None)

@@ -30,7 +30,8 @@ from tutorial.system.printing import print_text
 @click.option(
     "--interfaces", is_flag=True, help="Make an interface package with a message, a service and an action instead."
 )
-def package(name: str, own: str | None, destination: Path, interfaces: bool) -> None:
+@click.option("--service", is_flag=True, help="Make an example node that offers a service. It needs a real ROS 2.")
+def package(name: str, own: str | None, destination: Path, interfaces: bool, service: bool) -> None:
     """Make a ROS 2 package called NAME, which you can build with colcon and start with ros2 run or ros2 launch.
 
     Without --controller, it contains an example node that does not need the tutorial.
@@ -38,10 +39,11 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
     from tutorial.commands.packaging.contents import make_interfaces, make_package
 
     folder = destination / name
-    if interfaces and own is not None:
-        raise click.UsageError("A package has interfaces or a controller: give --interfaces or --controller, not both.")
+    if interfaces + service + (own is not None) > 1:
+        raise click.UsageError("Give only one of --controller, --interfaces and --service for a package.")
+    example = "server" if service else "listener"
     files, executable = (
-        (make_interfaces(name), "") if interfaces else make_package(name, part_class(own) if own else None)
+        (make_interfaces(name), "") if interfaces else make_package(name, part_class(own) if own else None, example)
     )
     _write(folder, files)
     print_text("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from tutorial.program.project import Project
 
 FILE = click.Path(path_type=Path)
-LINGER = 30.0  # [s] that launched processes wait for each other, in addition to the duration: machines can be slow
+LINGER = 30.0  # [s] how long launched processes wait for each other, in addition to the duration: machines can be slow
 
 
 def main(args: list[str] | None = None) -> None:

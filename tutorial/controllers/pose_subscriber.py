@@ -78,7 +78,7 @@ class StampPairs:
     """Pairs the messages of two streams that have equal stamps, much like `message_filters.TimeSynchronizer`.
 
     A message waits for its partner. Both streams are in order, so a message older than a pair will not get a partner.
-    If too many messages wait, the first to arrive is dropped, whatever its stamp: a publisher can restart from 0.
+    If too many messages are waiting, the first to arrive is dropped, whatever its stamp: publishers can restart at 0.
 
     Args:
         leave_out: called with the reason for each message that is dropped.

@@ -119,9 +119,10 @@ class _Writer:
         return self._plain(self.model.joint(joint).name)
 
     def _place(self, number: int) -> Matrix | None:
-        """Return a body's pose in its parent at rest; None if it moves freely, which joint states do not describe.
+        """Return a body's pose in its parent's frame at rest.
 
-        Poses are relative to the root, not to the world.
+        Return None if it moves freely, because joint states don't describe that. Poses are relative to the root, not to
+        the world.
         """
         model = self.model
         place = pose(model.body_pos[number], model.body_quat[number])
@@ -158,11 +159,11 @@ class _Writer:
             if self._plain(name) in self.moving:
                 moving.append(joint)
             elif kind == BALL:
-                self.moves_otherwise["ball joints that are fixed"] += 1
+                self.moves_otherwise["ball joints, which become fixed"] += 1
             elif kind != FREE and not name:
-                self.moves_otherwise["joints without a name that are fixed"] += 1
+                self.moves_otherwise["unnamed joints, which become fixed"] += 1
             elif kind != FREE:
-                self.left_out["joints of hidden groups that are fixed"] += 1
+                self.left_out["joints in hidden groups, which become fixed"] += 1
         return moving
 
     def _is_free(self, number: int) -> bool:
@@ -267,4 +268,4 @@ class _Writer:
 
 
 def _counted(what: Counter[str]) -> str:
-    return ", ".join(f"{name} ({count})" for name, count in what.items())
+    return "; ".join(f"{name} ({count})" for name, count in what.items())

@@ -50,7 +50,7 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
         make: makes the object.
         close: closes the object.
     """
-    _close(name)
+    close_kept(name)
     made = make()
     _open[name] = made, lambda: close(made)
     return made
@@ -65,7 +65,7 @@ def close_all() -> None:
     """Close everything that is open in this kernel, the newest first. Widgets keep showing their last content."""
     for name in reversed(tuple(_open)):
         try:
-            _close(name)
+            close_kept(name)
         except Exception:  # noqa: BLE001 - the remaining objects still have to be closed
             _log.exception("%s could not be closed", name)
 
@@ -102,7 +102,8 @@ def log() -> None:
         print(logged.lines.popleft()[1])  # noqa: T201 - this function prints
 
 
-def _close(name: str) -> None:
+def close_kept(name: str) -> None:
+    """Close the object registered under a name, if there is one."""
     if name in _open:
         _, close = _open.pop(name)
         close()

@@ -1,4 +1,4 @@
-"""``ros2 topic list``, ``info``, ``echo`` and ``hz``, and ``tank doctor TOPIC``, for a cell, with the same output."""
+"""``ros2 node list``, ``topic list``, ``info``, ``echo`` and ``hz``, and ``tank doctor TOPIC``, for a cell."""
 
 from collections.abc import Iterable
 
@@ -9,8 +9,13 @@ from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import listening, listing
 from tutorial.system.printing import print_text, print_texts
 
-TIMEOUT = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
+TIMEOUT = 10.0  # [s] how long `topic_echo` and `topic_hz` wait for a message
 REPORTS = 2  # the number of reports that `topic_hz` prints
+
+
+async def node_list() -> None:
+    """Print the full names of the nodes, as ``ros2 node list`` does."""
+    print_text(await listing.node_list(asker()))
 
 
 async def topic_list(show_types: bool = False) -> None:
@@ -50,17 +55,18 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     await print_texts(listening.topic_echo(asker(), topic, once=once, field=field, no_arr=no_arr, timeout=TIMEOUT))
 
 
-async def topic_hz(topic: str, window: int = 10_000) -> None:
+async def topic_hz(topic: str, window: int = 10_000, timeout: float = TIMEOUT) -> None:
     """Print a topic's message rate twice, a second apart, as ``ros2 topic hz`` does.
 
     Args:
         topic: the full name of the topic.
         window: the number of messages to average over.
+        timeout: the longest wait for a message [s].
 
     Raises:
-        TutorialError: no message arrives for 10 s.
+        TutorialError: no message arrives in time.
     """
-    await print_texts(listening.topic_hz(asker(), topic, window=window, timeout=TIMEOUT), REPORTS)
+    await print_texts(listening.topic_hz(asker(), topic, window=window, timeout=timeout), REPORTS)
 
 
 async def why(topic: str, joints: Iterable[str] | None = None) -> None:

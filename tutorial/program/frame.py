@@ -15,7 +15,7 @@ def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseExce
     Args:
         view: the view, which already contains the bodies.
         items: the bodies by name.
-        note: text at the start of the line; may be empty.
+        note: text at the start of the line; can be empty.
         error: the last error, or None.
     """
     for name, item in items.items():

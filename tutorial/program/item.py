@@ -17,8 +17,8 @@ from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between log lines about a body's messages, and between queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as stale
-CONTESTED_FOR = 2.0  # [s] that the line below the view keeps naming a rival after its last message
-NAMED = 3  # number of stale joints or nodes to name; any others are only counted
+CONTESTED_FOR = 2.0  # [s] how long the line below the view keeps naming a rival after its last message
+NAMED = 3  # number of stale joints or nodes to name; the rest are only counted
 LONGEST_NAME = 60  # maximum number of characters of a node's name to show
 
 _log = logging.getLogger(__name__)
@@ -142,7 +142,7 @@ class Item:
         placement: the body's name and model.
         node: the node that its controllers use.
         calls: the main thread's queue of posted calls.
-        ask: has the simulation's thread run a function, see `ControllerConfig`.
+        ask: has the simulation's thread run a function (see `ControllerConfig`).
 
     Attributes:
         body: the displayed body.
@@ -212,7 +212,7 @@ class Item:
 
 
 def _until_closed(scope: CallScope, ask: Ask) -> Ask:
-    """Return a controller's `ask`: once its scope is closed, nothing that it has asked for is carried out."""
+    """Return a controller's `ask`. Once its scope is closed, all its requests are refused, even waiting ones."""
 
     def run(function: Callable[..., Any], *args: object) -> Any:
         if scope.closed:

@@ -16,10 +16,10 @@ import msgspec
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.model.line_file import SUFFIX
+from tutorial.model.yamlfile import YamlFile
 from tutorial.program.controller_files import find_controller
 from tutorial.system.paths import PACKAGE, is_file
 from tutorial.world import Placement, compose
-from tutorial.yamlfile import YamlFile
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -58,7 +58,7 @@ class BodyItem:
 
     Attributes:
         placement: the model, and its position.
-        controllers: the classes of its controllers, in the order in which they run.
+        controllers: the classes of its controllers, in the order they run.
     """
 
     placement: Placement
@@ -128,7 +128,7 @@ class Project:
 
         Args:
             body: the body's name.
-            model: a file as for `Placement`.
+            model: the path of the model, as in `Placement`.
 
         Raises:
             TutorialError: there is no such body, or the model cannot be loaded.
@@ -145,11 +145,11 @@ class Project:
         return self._with(swap)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Return a project in which a body has these controllers instead of the ones that the file names.
+        """Return a project that gives a body these controllers instead of the ones that the file names.
 
         Args:
             body: the body's name.
-            classes: the classes of its controllers, in the order in which they run; may be empty.
+            classes: the classes of its controllers, in the order they run; can be empty.
 
         Raises:
             TutorialError: there is no such body, or an argument is not a controller's class.
@@ -161,7 +161,7 @@ class Project:
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Return a project in which a user's controllers replace the ones with the same names.
+        """Return a project with a user's controllers in place of the ones with the same names.
 
         Args:
             classes: the classes by name. Base classes of other classes can have any name.

@@ -9,8 +9,8 @@ from tutorial.ros.node_thread import MeteredNode
 from tutorial.simulation import Simulation
 
 FRAME = 1 / 30  # [s] between frames of the view, and between checks of whether a run is over
-HUNG = 5.0  # [s] without a step after which a timed run is stopped
-QUIET = 0.3  # [s] of silence after which no more messages are expected
+HUNG = 5.0  # [s] how long a timed run can go without a step before it is stopped
+QUIET = 0.3  # [s] how long a silence has to last before no more messages are expected
 
 _log = logging.getLogger(__name__)
 
@@ -47,7 +47,7 @@ class DisplayedRun:
         node: the program's node.
         calls: the main thread's queue of posted calls.
         duration: the run's duration [s]; None for no limit.
-        linger: the longest wait after the duration [s] for the publishers to leave and their messages to be shown.
+        linger: the longest wait after the duration [s] for the publishers to leave and the view to show their messages.
 
     Attributes:
         seconds: how long the run has taken [s].

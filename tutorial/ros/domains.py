@@ -8,8 +8,11 @@ from contextlib import contextmanager
 
 from tutorial.errors import TutorialError
 
-DOMAINS = [*range(1, 102), *(range(215, 233) if sys.platform == "linux" else ())]
-"""Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID")."""
+DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
+"""Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID").
+
+The ones up to 10 are left to people, who choose them by hand, and to the doctor, which searches them.
+"""
 
 
 @contextmanager

@@ -1,9 +1,10 @@
 """List, read and set the parameters of other nodes, with the output of ``ros2 param``. This needs a real ROS 2.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). Nothing here prints.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
@@ -19,26 +20,27 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import node_names
 from tutorial.ros.topics.names import escape_name
 
-PATIENCE = 5.0  # [s] for a node's services to appear, as in ros2
+PATIENCE = 5.0  # [s] how long a node's services can take to appear, as in ros2, and how long each response can take
+TRIES = 3  # requests until a node counts as one that does not respond
 
 NAMES = (
     *("not set", "boolean", "integer", "double", "string"),
     *("byte array", "boolean array", "integer array", "double array", "string array"),
 )
-"""The types' names, by their numbers in rcl_interfaces/msg/ParameterType."""
+"""The names of the types, indexed by their numbers in rcl_interfaces/msg/ParameterType."""
 
 LABELS = (
     *("Parameter not set.", "Boolean value is:", "Integer value is:", "Double value is:", "String value is:"),
     *("Byte values are:", "Boolean values are:", "Integer values are:", "Double values are:", "String values are:"),
 )
-"""The words before a value, by the number of its type."""
+"""The words before a value, indexed by the number of its type."""
 
 
 async def param_list(node: Node, target: str | None = None) -> str:
     """List the parameters of a node, or of all nodes except hidden ones, like ``ros2 param list``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that sends the requests; it must be spinning on another thread.
         target: the name of the node that has the parameters; None for all nodes.
 
     Raises:
@@ -52,7 +54,7 @@ async def param_list(node: Node, target: str | None = None) -> str:
     for found in sorted(set(node_names(node)), key=lambda name: name.rpartition("/")[::-1]):  # as in ros2
         try:
             names = await _names(node, found)
-        except TutorialError as error:  # a node without services, such as one of the pocket ROS 2
+        except TutorialError as error:  # a node without services, such as one on the pocket ROS 2
             text += f"{error}\n"
         else:
             text += f"{escape_name(found)}:\n{_indented(names)}" if names else ""
@@ -63,7 +65,7 @@ async def param_get(node: Node, target: str, name: str) -> str:
     """Return the value of a parameter, like ``ros2 param get``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that sends the requests; it must be spinning on another thread.
         target: the name of the node that has the parameter.
         name: the parameter's name.
 
@@ -81,7 +83,7 @@ async def param_set(node: Node, target: str, name: str, value: str) -> tuple[boo
     """Set a parameter, like ``ros2 param set``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that sends the requests; it must be spinning on another thread.
         target: the name of the node that has the parameter.
         name: the parameter's name.
         value: the value in YAML. A number without a decimal point is an integer.
@@ -90,7 +92,7 @@ async def param_set(node: Node, target: str, name: str, value: str) -> tuple[boo
         Whether the node accepted the value, and the text that ``ros2 param set`` prints.
 
     Raises:
-        TutorialError: there is no such node, the value is not YAML, or this is the pocket ROS 2.
+        TutorialError: there is no such node, the value is not valid YAML, or this is the pocket ROS 2.
     """
     found = await _find(node, target)
     response = await _ask(node, found, "set_parameters", parameters=[Parameter(name=name, value=_value(value))])
@@ -103,7 +105,7 @@ async def param_describe(node: Node, target: str, names: Sequence[str]) -> str:
     """Describe parameters, like ``ros2 param describe``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that sends the requests; it must be spinning on another thread.
         target: the name of the node that has the parameters.
         names: the parameters' names.
 
@@ -115,10 +117,10 @@ async def param_describe(node: Node, target: str, names: Sequence[str]) -> str:
 
 
 async def param_dump(node: Node, target: str) -> str:
-    """Return all parameters of a node in YAML, like ``ros2 param dump``; a program reads them with ``--params-file``.
+    """Return all parameters of a node as YAML for ``--params-file``, like ``ros2 param dump``.
 
     Args:
-        node: the node that asks; its thread must spin.
+        node: the node that sends the requests; it must be spinning on another thread.
         target: the name of the node that has the parameters.
 
     Raises:
@@ -138,7 +140,7 @@ async def param_dump(node: Node, target: str) -> str:
 
 
 async def _find(node: Node, target: str) -> str:
-    """Return the full name of a node; wait briefly for it.
+    """Return a node's full name; wait briefly for the node.
 
     Raises:
         TutorialError: there is no such node, or this is the pocket ROS 2.
@@ -155,21 +157,24 @@ async def _ask(node: Node, target: str, name: str, **fields: Any) -> Any:
     """Call one of the services that every node has for its parameters.
 
     Args:
-        node: the node that asks.
+        node: the node that sends the requests.
         target: the full name of the node that has the parameters.
         name: the service's name, such as ``"get_parameters"``.
         fields: the fields of the request.
 
     Raises:
-        TutorialError: the node does not have the service.
+        TutorialError: the node does not offer the service, or does not respond.
     """
     kind = "".join(map(str.capitalize, name.split("_")))
-    service = getattr(import_module("rcl_interfaces.srv"), kind)  # the pocket ROS 2 does not have it
+    service = getattr(import_module("rcl_interfaces.srv"), kind)  # not at the top: the pocket ROS 2 lacks it
     with client(node, service, f"{target}/{name}") as made:
         if not await is_ready(made, PATIENCE):
             text = "Wait for service timed out waiting for parameter services for node"
             raise TutorialError(f"{text} {escape_name(target)}")
-        return await response_to(made, service.Request(**fields))
+        for _ in range(TRIES - 1):  # on a busy machine, ROS 2 can lose the response to a new client
+            with suppress(TutorialError):
+                return await response_to(made, service.Request(**fields), PATIENCE)
+        return await response_to(made, service.Request(**fields), PATIENCE)
 
 
 async def _names(node: Node, target: str) -> list[str]:
@@ -182,10 +187,10 @@ def _indented(names: Sequence[str]) -> str:
 
 
 def _value(text: str) -> Any:
-    """Return the value that a text in YAML stands for, as ``ros2 param set`` reads it.
+    """Parse a value in YAML, as ``ros2 param set`` does.
 
     Raises:
-        TutorialError: the text is not YAML, or the number does not fit.
+        TutorialError: the text is not valid YAML, or a number is out of range.
     """
     try:
         return parameter.get_parameter_value(text)

@@ -1,6 +1,6 @@
-"""List services, and call them, as ``ros2 service list``, ``type`` and ``call`` do. This needs a real ROS 2.
+"""List and call services, as ``ros2 service list``, ``type`` and ``call`` do. This needs a real ROS 2.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). Nothing here prints.
 """
 
 import asyncio
@@ -18,20 +18,21 @@ from tutorial.ros.topics.graph import DISCOVERY_TIMEOUT, wait_for_graph
 from tutorial.ros.topics.names import escape_name, is_hidden, service_class
 from tutorial.ros.topics.populate import populated_request
 
-LOOK_EVERY = 0.02  # [s] between checks for a service, or for a response
+LOOK_EVERY = 0.02  # [s] between checks for a service or a response
+SETTLE = 0.2  # [s] after which a service usually knows its new client, even on a busy machine
 
 
 def services_with_types(node: Node) -> dict[str, list[str]]:
-    """Return the types of each service, sorted by the services' names, without hidden ones."""
+    """Return the types of each visible service, sorted by the services' names."""
     return {name: types for name, types in sorted(node.get_service_names_and_types()) if not is_hidden(name)}
 
 
 async def service_list(node: Node, show_types: bool = False) -> str:
-    """List the services, like ``ros2 service list``; first wait until the graph is known.
+    """Wait until the graph is known, then list the services, like ``ros2 service list``.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
-        show_types: add each service's type, as with ``-t``.
+        node: the node that queries the graph; it must be spinning on another thread.
+        show_types: whether to add each service's type, as ``-t`` does.
 
     Returns:
         One line for each service.
@@ -49,10 +50,10 @@ async def service_list(node: Node, show_types: bool = False) -> str:
 
 
 async def service_type(node: Node, service: str) -> str:
-    """Return the types of a service, like ``ros2 service type``, one in each line; wait briefly for the service.
+    """Return the types of a service, one per line, like ``ros2 service type``; wait briefly for the service.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         service: its full name.
 
     Raises:
@@ -69,21 +70,21 @@ async def service_type(node: Node, service: str) -> str:
 async def service_call(
     node: Node, service: str, type_name: str, values: str = "{}", timeout: float = inf
 ) -> AsyncGenerator[str, None]:
-    """Call a service, like ``ros2 service call``; if it is not there, wait for it.
+    """Call a service, like ``ros2 service call``. If it is not available yet, wait for it.
 
     Args:
-        node: the node that calls; its thread must spin.
+        node: the node that calls the service; it must be spinning on another thread.
         service: the service's name.
         type_name: its type, such as ``"std_srvs/srv/Trigger"``.
         values: the fields of the request in YAML.
-        timeout: the longest wait for the service, and for its response [s].
+        timeout: the longest wait [s] for the service, and then for its response.
 
     Yields:
-        Text, as ``ros2 service call`` prints it.
+        The text that ``ros2 service call`` prints, in parts.
 
     Raises:
-        TutorialError: the type or a value is invalid, with the error text of ``ros2``; the time is up, or this is the
-            pocket ROS 2.
+        TutorialError: the type or a value is invalid (the error text is the same as in ``ros2``), the time is up, or
+            this is the pocket ROS 2.
     """
     need_real_ros("A service")
     kind = service_class(type_name)
@@ -92,17 +93,17 @@ async def service_call(
         if not await is_ready(made, DISCOVERY_TIMEOUT):
             yield "waiting for service to become available...\n"
             if not await is_ready(made, timeout):
-                raise TutorialError(f"There is no service '{escape_name(service)}' after {timeout:g} s")
+                raise TutorialError(f"No service '{escape_name(service)}' has appeared within {timeout:g} s")
         yield f"requester: making request: {request!r}\n\n"
         yield f"response:\n{await response_to(made, request, timeout)!r}\n\n"
 
 
 @contextmanager
 def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
-    """Make a client of a service, for the duration of the context.
+    """Create a client of a service, and destroy it at the end of the context.
 
     Args:
-        node: the node that calls.
+        node: the node that calls the service.
         kind: the class of the service's type.
         service: the service's name.
     """
@@ -114,15 +115,23 @@ def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
 
 
 async def is_ready(made: Any, timeout: float) -> bool:
-    """Wait until a client has found its service. Return False on timeout [s]."""
-    return await _until(made.service_is_ready, timeout)
+    """Wait until a client has found its service, and give the service time to find the client.
+
+    A service cannot respond to a client that it does not know yet, and ROS 2 does not repeat the response.
+
+    Returns:
+        False on timeout [s].
+    """
+    found = await _until(made.service_is_ready, timeout)
+    await asyncio.sleep(SETTLE if found else 0.0)
+    return found
 
 
 async def response_to(made: Any, request: Any, timeout: float = inf) -> Any:
-    """Send a request with a client, and wait for the response.
+    """Send a request through a client, and wait for the response.
 
     Raises:
-        TutorialError: there is no response after the timeout [s].
+        TutorialError: no response arrives within the timeout [s].
     """
     future = made.call_async(request)
     if not await _until(future.done, timeout):

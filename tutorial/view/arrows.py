@@ -114,7 +114,7 @@ class Arrow:
         yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Return the measurement as name, x, y, z, unit and legend; empty if there is none."""
+        """Return the measurement as name, x, y, z, unit and legend; empty without a measurement."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))

@@ -121,9 +121,9 @@ class Scene:
         self._put(key, pack_record(Record.COMMAND, pack_command(message)), keep=kind != "delete")
 
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
-        """Write one line below the view, and a small table below that. If both are empty, nothing is shown.
+        """Write one line below the view, and a small table below that. If both are empty, show nothing.
 
-        Both are shown as text, never as HTML. White space is collapsed, and strings are truncated to `LINE_LENGTH`.
+        The view shows both as text, never as HTML, collapses white space, and truncates strings to `LINE_LENGTH`.
 
         Args:
             text: the text of the line.

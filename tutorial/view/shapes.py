@@ -23,7 +23,7 @@ ENDLESS = 20.0
 """The length and width [m] of a plane that is infinite in MuJoCo (size 0)."""
 
 FRONT, BOTH = 0, 2
-"""three.js's constants for the sides of a surface to draw."""
+"""three.js's constants for which sides of a surface to draw."""
 
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 

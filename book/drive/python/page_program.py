@@ -22,7 +22,7 @@ from tutorial.ros.joy import joy_message
 
 TIME_STEP = 0.001  # [s]
 LONGEST_DEBT = 0.25  # [s] maximum backlog of real time to catch up on, as in the course's simulation
-LONGEST_TURN = 0.03  # [s] of stepping before the page's messages get a turn
+LONGEST_TURN = 0.03  # [s] how long stepping can take before the page's messages get a turn
 
 
 class Program:

@@ -61,7 +61,7 @@ def test_programs_of_a_real_ros_2(rmw, domain, side):
     with running(*publish, KIND, "-r", "20"):
         finds("All is well: ", *side)
     with running(*publish, KIND, "-r", "20", *UNRELIABLE), running(*echo, KIND, *RELIABLE):
-        finds("1. The reliability does not fit\n", *side)
+        finds("1. The reliability settings are incompatible\n", *side)
     with running(*publish, "std_msgs/msg/String"), running(*echo, KIND):
         finds("1. The message types differ\n", *side)
     with running(*echo, KIND):

@@ -94,7 +94,7 @@ def facts_of_each(faults: Mapping[Any, Callable[[Graph], str]]) -> dict[Any, Fac
 
 
 def pair(publish: dict, subscribe: dict, topic: str = TOPIC):
-    """Return a fault: a publisher, and a subscription that does not fit it."""
+    """Return a fault: a publisher, and a subscription that is incompatible with it."""
 
     def fault(graph: Graph) -> str:
         graph.publish(**publish)
@@ -128,7 +128,7 @@ def clock_stands(graph: Graph) -> str:
 
 
 def blocked(graph: Graph) -> str:
-    """Block the publishing timer by a callback that does not return."""
+    """Block the publishing timer with a callback that does not return."""
     graph.publish(make=lambda _: JointState(name=[str(graph.ended.wait(60))]))
     return TOPIC
 

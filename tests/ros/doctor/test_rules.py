@@ -167,7 +167,7 @@ def test_a_quiet_log_is_well():
 
 
 def healthy(random: Random) -> Facts:
-    """Return the facts of a random graph in which each subscription has a publisher that fits, and messages arrive."""
+    """Return the facts of a random graph in which each subscription has a compatible publisher, and messages arrive."""
     kinds, names = ("a_msgs/msg/A", "b_msgs/msg/B"), ("joint_state", "joint_states", "imu", "Tank/joint_state")
     kind, kept = random.choice(kinds), random.random() < 0.3
 

@@ -62,11 +62,11 @@ class LateFinder(MetaPathFinder, Loader):
 @pytest.mark.parametrize("name", MISSING)
 def test_import(name):
     with pytest.raises(
-        ModuleNotFoundError, match=r"has no [\w.]+\. A real ROS 2 Jazzy does: see https.*again\."
+        ModuleNotFoundError, match=r"has no [\w.]+\. A real ROS 2 Jazzy does: see https.*program\."
     ) as error:
         import_module(name)
     on_pypi = name.startswith(("rclpy", "std_srvs", "ament_index", "sensor_msgs.srv", "tf2_msgs.action"))
-    assert str(error.value).endswith("tank ros install." if on_pypi else "again.")
+    assert str(error.value).endswith("tank ros install." if on_pypi else "program.")
     assert type(error.value).__name__ == "NeedsRealROSError"
     assert name.startswith(error.value.name)
 

@@ -29,9 +29,9 @@ from tutorial.checks.engine.trial import Call, Trial
 from tutorial.checks.engine.verdict import Finding, wrong
 
 LOOK = 0.1  # [s] between checks by the watchdog
-TIMEOUT = 15  # number of checks after which a running call counts as stuck
-BUDGET = 25  # number of checks that all calls to one method may take in total
-HALT = 5.0  # [s] without a check after which the watchdog itself counts as blocked
+TIMEOUT = 15  # a call that is still running after this many checks counts as stuck
+BUDGET = 25  # the maximum number of checks during all calls to one method
+HALT = 5.0  # [s] how long the watchdog can go without a check before it counts as blocked itself
 
 
 def main() -> NoReturn:

@@ -113,7 +113,7 @@ def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> 
 
 
 def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[Fault, ...]:
-    """Return the fewest mistakes, one or two, that lead to exactly these observations; () if there are none.
+    """Return the smallest set of mistakes, one or two, that would produce exactly these observations, or ().
 
     Args:
         seen: the observations.
@@ -135,10 +135,10 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
 
 
 class _Search:
-    """The candidates for an explanation, in the order they are tried.
+    """The candidates for an explanation, in the order of the search.
 
-    A candidate is tried first in the last odd case, which usually reveals the most. Slips are left out if only one case
-    is odd or an exception was raised: too many of them would fit.
+    The search tries each candidate first in the last odd case, which usually reveals the most. It leaves out slips if
+    only one case is odd or an exception was raised: too many of them would fit.
     """
 
     def __init__(self, seen: Sequence[Observation], odd: Sequence[Observation], twins: Twins) -> None:

@@ -23,7 +23,7 @@ _RETURNS = {
     "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
 """By method name, why the method must return at once."""
-_PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node, config.node, and shuts rclpy down."
+_PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node (config.node), and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {

@@ -9,6 +9,7 @@ from typing import Any
 from rclpy.clock import Clock
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import get_logger
+from rclpy.qos import QoSProfile
 
 from tutorial.checks.engine.exceptions import AT_ONCE
 from tutorial.checks.engine.failure import Failure, Misuse
@@ -29,6 +30,7 @@ class Endpoint:
         kind: the class of its messages.
         topic_name: the topic's full name.
         callback: a subscription's callback; None for a publisher.
+        qos: its quality of service.
         depth: how many messages a subscription keeps while its thread is busy.
         destroyed: whether the learner has destroyed the endpoint.
     """
@@ -36,7 +38,8 @@ class Endpoint:
     def __init__(self, node: "MemoryNode", kind: type, topic: str, qos: Any, callback: Any = None) -> None:
         self.topic_name = expand_topic_name(topic, "tank", node.namespace)
         self.kind, self.callback, self.destroyed = kind, callback, False
-        self.depth = getattr(qos, "depth", qos)
+        self.qos = qos if isinstance(qos, QoSProfile) else QoSProfile(depth=qos)
+        self.depth = self.qos.depth
         self._node = node
 
     def publish(self, message: Any) -> None:

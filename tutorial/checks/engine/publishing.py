@@ -113,7 +113,7 @@ class Publishing:
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
     def play(self, trial: Trial, seconds: float, ms: float = 10, begins: Sequence[int] = (0, 1), **options: Any) -> Any:
-        """Simulate with time steps in milliseconds, and return the rig.
+        """Simulate for `seconds`, with time steps of `ms` milliseconds, and return the rig.
 
         If the first message is not sent at step 0, repeat the simulation from step 1: then an answer that counts steps
         sends at the same steps as the solution.
@@ -174,7 +174,7 @@ class Publishing:
         return len(steps) > 3 and steps[0] - rig.begun <= exact + 2 and (late <= 1 or is_even)
 
     def stamps(self, trial: Trial) -> Any:
-        """Compare the stamps with the times of sending, with steps of 6 ms."""
+        """Compare each stamp with the time when its message was sent, using steps of 6 ms."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
         if not sent:
             cause = f"You probably count from 0, but a run can start at any step. Publish when {self.when}."

@@ -14,7 +14,7 @@ Kind = Callable[[ast.AST], Slips]
 
 
 def slips(kind: Kind, source: str) -> Iterator[Fault]:
-    """Yield every slip of one kind that can be made in a source, the smallest parts first.
+    """Yield every possible slip of one kind in a source, the smallest parts first.
 
     Args:
         kind: `missing` for missing statements, `another` for wrong parts of statements.

@@ -65,7 +65,7 @@ class Twins:
             return attempt(case.run, trial)
 
     def slips(self, kind: Kind) -> Iterator[Fault]:
-        """Yield every slip of one kind that can be made in the solution."""
+        """Yield every possible slip of one kind in the solution."""
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:

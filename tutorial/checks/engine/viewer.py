@@ -63,7 +63,8 @@ class Viewer:
         node, body, loop: the learner's node, the displayed body, and the main thread's event loop.
         calls: the main thread's queue. Its length is the number of waiting calls.
         keys: the keys of the calls that were posted with `call_latest`.
-        shown: the observers' view of the body at each change: its position, and whether its links had followed.
+        shown: what the observers saw at each change, as pairs: the body's position, and whether its links were already
+            up to date.
 
     Raises:
         Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this.

@@ -43,7 +43,7 @@ def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
 
 
 def heard(*messages: Any) -> Step:
-    """Make a step in which messages arrive one by one, each followed by the calls that it posts."""
+    """Make a step that delivers messages one by one, and runs the calls that each of them posts."""
 
     def step(viewer: Viewer) -> None:
         for message in messages:
@@ -54,7 +54,7 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(*messages: Any) -> Step:
-    """Make a step that counts the messages for which the callback posts a call.
+    """Make a step that counts how many of these messages make the callback post a call.
 
     The step fails if the callback starts its own timer or thread.
     """
@@ -73,7 +73,7 @@ def hands_over(*messages: Any) -> Step:
 
 
 def side_by_side(*done: Step) -> Step:
-    """Make a step in which the tank and the crane Lift perform these steps in turn."""
+    """Make a step that performs each of these steps with the tank, and then with the crane Lift."""
 
     def step(tank: Viewer) -> str:
         with closing(tank.another("crane", "Lift")) as lift:
@@ -99,7 +99,7 @@ def viewing(
         solution: the right answer.
         topic: the topic of the subscription, without the body's name.
         message: a message that a right answer receives at the end, through rclpy's own node.
-        arrivals: steps that deliver messages; the last one is made by `hands_over`.
+        arrivals: steps that deliver messages; the last one comes from `hands_over`.
         cases: the exercise's own cases, in order.
         post: the solution's statement that posts a call.
         may_ask_clock: whether an answer may read the computer's clock.

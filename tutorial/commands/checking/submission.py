@@ -31,7 +31,7 @@ KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
-"""Prefixes of the environment variables that a learner's code can see; others may contain keys and passwords."""
+"""Prefixes of the environment variables that a learner's code can see; other variables can hold keys and passwords."""
 
 
 T = TypeVar("T", Judged, Opened)

@@ -25,12 +25,15 @@ NOBODY = ("Your Name", "you@example.com")
 """The placeholder for a maintainer, which the learner has to replace."""
 
 
-def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple[dict[str, bytes], str]:
-    """Make a package around a controller or, without one, an example: the first node of step 1's notebook.
+def make_package(
+    name: str, controller: tuple[Path, str | None] | None, example: str = "listener"
+) -> tuple[dict[str, bytes], str]:
+    """Make a package around a controller or, without one, an example node.
 
     Args:
         name: the package's name.
         controller: the Python file that defines it, and its class name, which can be None if there is only one.
+        example: ``"listener"``, the first node of step 1's notebook, or ``"server"``, which offers a service.
 
     Returns:
         The content of each file, by its path within the package; and the name of the executable.
@@ -40,7 +43,9 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     """
     check_package_name(name)
     if controller is None:
-        kind, words, code = "listener", _EXAMPLE, (find_home(PACKAGE) / "notebooks" / "listener.py").read_bytes()
+        code = (find_home(PACKAGE) / "notebooks" / f"{example}.py").read_bytes()
+        words = {"module": example, "main": example, "node": example, "description": _EXAMPLES[example]}
+        kind = example
     else:
         kind, words, code = "controller", _controller(*controller), controller[0].read_bytes()
     maintainer, email = find_maintainer()
@@ -102,13 +107,11 @@ def find_maintainer() -> tuple[str, str]:
     return (name, email) if name.isprintable() and name and EMAIL.fullmatch(email) else NOBODY
 
 
-_EXAMPLE = {
-    "module": "listener",
-    "main": "listener",
-    "node": "listener",
-    "description": "A node that listens to the tank's joint states, and logs the positions once a second.",
+_EXAMPLES = {
+    "listener": "A node that listens to the tank's joint states, and logs the positions once a second.",
+    "server": "A node that listens to the tank's joint states, and offers a service that returns the positions.",
 }
-"""The templates' variables for the example."""
+"""The descriptions of the examples, by module."""
 
 
 def _controller(file: Path, only: str | None) -> dict[str, str]:

@@ -19,7 +19,7 @@ MOST_CURVES = len(svg.SERIES)
 MOST_PIECES = 100  # per curve
 POINTS_DRAWN = 1200  # per curve
 LONGEST_NAME = 16  # characters of a curve's name in the legend
-ROW, PER_ROW = 18, 4  # the legend's row height [px], and the number of names in a row
+ROW, PER_ROW = 18, 4  # the legend's row height [px], and its names per row
 SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 

@@ -127,7 +127,7 @@ class _RateMeter:
         self._subscription = node.create_subscription(kind, topic, self._on_message, qos, raw=True)
 
     def rate(self) -> float | None:
-        """Return the rate over the last few calls [Hz]; None at the first call."""
+        """Return the rate over the last few calls [Hz]; None on the first call."""
         self._looks.append((time.monotonic(), self._count))
         (began, before), (now, count) = self._looks[0], self._looks[-1]
         return (count - before) / (now - began) if now > began else None

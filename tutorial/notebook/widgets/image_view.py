@@ -81,7 +81,7 @@ def _no_picture(line: str) -> Frame:
 
 
 def _frame(message: Image) -> Frame:
-    """Extract the image from a message, or explain why it cannot be shown."""
+    """Extract the image from a message, or explain why the view cannot show it."""
     width, height, step, encoding = message.width, message.height, message.step, message.encoding
     if encoding not in CHANNELS:
         return _no_picture(f"the encoding {printable(encoding[:20])!r} is not supported, only {', '.join(CHANNELS)}")

@@ -24,7 +24,7 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # like rclcpp's ClockQoS
-SETTLE_FOR = 0.3  # [s] that a discovered subscription takes, with Fast DDS, to discover the publisher in turn
+SETTLE_FOR = 0.3  # [s] how long a discovered subscription takes, with Fast DDS, to discover the publisher in turn
 LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: a bag with one message would keep a core busy
 LONGEST_WAIT = 1.0  # [s] between progress reports
 LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
@@ -40,7 +40,7 @@ class Player:
         node: the node that publishes.
         bag: the bag to play.
         rate: speed, 2 for twice as fast.
-        loop: start again at the end, until stopped.
+        loop: restart at the end, until stopped.
         start_offset: time to skip at the beginning [s].
         topics: the topics to play; None for all.
         clock: how often to publish the time of the bag on ``/clock`` [Hz], instead of the bag's own ``/clock``; 0 for

@@ -24,7 +24,7 @@ from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
 LOOK_EVERY = 0.1  # [s] between checks for new topics and received messages
-QUIET = 0.1  # [s] of silence before the recorder stops expecting messages
+QUIET = 0.1  # [s] how long a silence has to last before the recorder stops expecting messages
 FLUSH_EVERY = 1.0  # [s]; if a recording is killed, up to this much is missing at the end
 DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum total size of the messages waiting to be written
@@ -40,7 +40,7 @@ class Recorder:
     true.
 
     Args:
-        node: the node that subscribes; its thread must spin.
+        node: the node that subscribes; it must be spinning on another thread.
         path: the bag's folder, which must not exist.
         topics: their names; None for all existing and future topics, except for hidden ones.
         storage: ``"mcap"`` or ``"sqlite3"``.

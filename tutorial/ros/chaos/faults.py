@@ -54,7 +54,7 @@ FAULTS = {
     "burst": f"the message is sent {BURST} times in a row",
     "second": "a second publisher reports all joints at 0",
 }
-"""Descriptions of the faults by name, in the order in which they are applied."""
+"""Descriptions of the faults by name, in the order of application."""
 
 
 class Action(NamedTuple):

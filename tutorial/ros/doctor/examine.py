@@ -1,4 +1,4 @@
-"""Answer why no messages of a topic arrive, even if ROS 2 cannot be used at all."""
+"""Find out why no messages arrive on a topic, even if ROS 2 cannot be used at all."""
 
 # ruff: noqa: PLC0415 - rclpy may not be importable, which is one of the answers
 
@@ -32,7 +32,7 @@ async def examine(
 
     Args:
         topic: the topic's name.
-        make_node: returns the node that subscribes; its thread must spin.
+        make_node: returns the node that subscribes; it must be spinning on another thread.
         joints: the names of the viewer's joints; see `tutorial.ros.doctor.observe.observe`.
         domains: the other domains to search if nobody publishes the topic.
 

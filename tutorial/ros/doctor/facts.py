@@ -1,4 +1,4 @@
-"""The facts that the doctor's rules use to tell why no messages arrive."""
+"""The facts from which the doctor's rules infer why no messages arrive."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import inf
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A publisher or subscription, with the QoS policies that have to fit the other side.
+    """A publisher or subscription, with the QoS policies that have to match the other side's.
 
     Attributes:
         node: the full name of its node; empty if that is unknown.

@@ -20,9 +20,9 @@ from tutorial.ros.wheels.folder import RANGE
 
 FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports of each domain."""
-COMMAND = 60  # the number of characters of a program's command that are shown
+COMMAND = 60  # how many characters of a program's command the doctor shows
 EPHEMERAL = 32768  # from this port on, the system gives ports to any program
-FIRST_UNICAST = 10  # from this port of a domain on, every second one belongs to a participant
+FIRST_UNICAST = 10  # from this port of a domain upwards, every second port belongs to a participant
 
 
 def reach() -> str:
@@ -43,7 +43,7 @@ def participants(domain: int) -> int:
 
 
 def domains_in_use(domains: Iterable[int]) -> list[int]:
-    """Return those of the domains that programs on this machine use; all of them if the system does not say."""
+    """Return only the domains that programs on this machine use; if that is unknown, return all of them."""
     ports = _udp_ports()
     return [each for each in domains if ports is None or any((port - FIRST_PORT) // PORTS == each for port in ports)]
 
@@ -52,7 +52,7 @@ def programs() -> list[Program]:
     """Return the other programs of this user that have network connections; only on Linux."""
     try:
         sockets = psutil.net_connections("inet")
-    except (psutil.Error, OSError):  # on macOS, only root may list them
+    except (psutil.Error, OSError):  # on macOS, only root can list them
         return []
     domains: dict[int, list[int]] = {each.pid: [] for each in sockets if each.pid not in (None, os.getpid())}
     for each in sockets:

@@ -41,9 +41,11 @@ ALONE_AFTER = 1.0  # [s] without a publisher; then the other domains are searche
 READ_EVERY = 0.1  # [s] between two reads of the graph
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CLOCK = "/clock"
-KEPT_FOR = 2.0  # [s] within which kept messages arrive; later, an old stamp only shows that another clock is behind
-MATCHED = 1000  # maximum number of joint states that are matched
-TOPICS = 300  # maximum number of topics that are compared
+# [s] how long messages that were sent earlier, and kept by their publisher, can still arrive; after that, an old stamp
+# only shows that another clock is behind
+KEPT_FOR = 2.0
+MATCHED = 1000  # maximum number of joint states to match
+TOPICS = 300  # maximum number of topics to compare
 FOREVER = 2**62  # [ns]; longer durations mean that there is no limit
 
 
@@ -56,10 +58,10 @@ async def observe(
     """Collect the facts about a topic.
 
     Args:
-        node: the node that subscribes; its thread must spin.
+        node: the node that subscribes; it must be spinning on another thread.
         topic: the topic's full name.
-        joints: for joint states, the names of the joints that the viewer has; None for those of the tank on its own
-            topic, and on others for those of the first message.
+        joints: for joint states, the names of the joints that the viewer has; None for the tank's joints on the tank's
+            own topic, and for the joints in the first message on any other topic.
         domains: the other domains to search if nobody publishes the topic.
     """
     began = time.monotonic()
@@ -95,7 +97,7 @@ class _Ear:
         kind: the name of the message type.
         arrivals: the time of each message that was published since then [s].
         kept: the number of messages that had been published before.
-        payloads: the newest joint states.
+        payloads: the first joint states, at most `MATCHED`.
     """
 
     def __init__(self, node: Node, topic: str, kind: str) -> None:
@@ -138,7 +140,7 @@ class _Ear:
 class _Elsewhere(ExitStack):
     """Searches other domains for publishers of a topic, on the same middleware and in the same range.
 
-    On this machine alone, only those domains are joined whose ports are in use. Its exit leaves all of them.
+    In the range LOCALHOST, it joins only domains whose ports are in use. At the end of the context, it leaves them all.
     """
 
     def __init__(self, topic: str, domains: list[int]) -> None:
@@ -148,7 +150,7 @@ class _Elsewhere(ExitStack):
         self._nodes: dict[int, Node] = {}
 
     def search(self) -> None:
-        """Join the domains, at the first call."""
+        """Join the domains on the first call; later calls do nothing."""
         if self.searched:
             return
         self.searched = True
@@ -167,7 +169,7 @@ class _Elsewhere(ExitStack):
 
 
 def _endpoints(node: Node, topic: str) -> tuple[tuple[Endpoint, ...], tuple[Endpoint, ...]]:
-    """Return the topic's publishers and subscriptions, with the node's own."""
+    """Return the topic's publishers and subscriptions, including the node's own."""
     # A real rclpy lists no endpoints as long as any name is not valid UTF-8.
     with suppress(RuntimeError, UnicodeDecodeError):
         publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)

@@ -18,7 +18,7 @@ from tutorial.ros.loopback import TURN_ON
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name
 
 PLACES = 32  # programs that can be in one domain on one machine, with Cyclone DDS
-SIMILAR = 0.8  # the ratio of difflib that similar names have at least
+SIMILAR = 0.8  # the minimum difflib ratio for two names to count as similar
 MOST = 3  # the maximum number of causes, and of names in a list
 ONCE = ("robot_description", "map", "tf_static")  # last parts of topics that are usually published only once
 ZENOH = "rmw_zenoh_cpp"
@@ -116,7 +116,7 @@ def _full(facts: Facts) -> Found | None:
 # Causes between a publisher and a subscription
 
 
-def _misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
+def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
     """Return the names of the rules that keep a publisher and a subscription apart (DDS 1.4, section 2.2.3)."""
     known = publisher.hash and subscription.hash
     tests = {
@@ -132,22 +132,22 @@ def _misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
 
 def _fits(subscription: Endpoint, publishers: Sequence[Endpoint]) -> bool:
     """Return whether a subscription receives messages from any of the publishers."""
-    return any(not _misfits(publisher, subscription) for publisher in publishers)
+    return any(not misfits(publisher, subscription) for publisher in publishers)
 
 
 def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Found | None]:
-    """Return a function that finds a subscription, or the doctor's own, that differs from each publisher.
+    """Return a function that finds a subscription, perhaps the doctor's own, that no publisher can reach.
 
     Args:
-        name: the name of the rule: what keeps the subscription from the publisher that is nearest to fitting it.
+        name: the name of the rule that keeps the subscription apart from the publisher with the fewest misfits.
         text: describes what an endpoint asks for or offers.
     """
 
     def find(facts: Facts) -> Found | None:
         here = (facts.here,) if facts.here else ()
         for subscription in (*facts.subscriptions, *here) if facts.publishers else ():
-            publisher = min(facts.publishers, key=lambda each: len(_misfits(each, subscription)))
-            if name in _misfits(publisher, subscription):
+            publisher = min(facts.publishers, key=lambda each: len(misfits(each, subscription)))
+            if name in misfits(publisher, subscription):
                 asks, offers = escape_name(text(subscription)), escape_name(text(publisher))
                 return Found(f"{_who(subscription)} asks for {asks}, and {_who(publisher)} offers {offers}.")
         return None
@@ -233,7 +233,8 @@ def _name(facts: Facts) -> Found | None:
     types = {each.type for each in (*facts.publishers, *facts.subscriptions)}
     near = [each for each in _near(facts.topic, facts.topics) if not types or types.intersection(each.types)]
     near = [each for each in near if bool(each.publishers) != bool(facts.publishers)]
-    if facts.found_in:  # then only nearly the same name is more likely than a different domain
+    if facts.found_in:
+        # Then a misspelt name is a likelier cause than a different domain only if the names are nearly identical.
         near = [each for each in near if _similarity(facts.topic, each.name) == 1]
     if not near or (facts.publishers and facts.subscriptions):
         return None
@@ -373,7 +374,7 @@ RULES: dict[str, Rule] = {
         "the publisher is in a different domain",
         _domain,
         "Programs only see each other if they have the same ROS_DOMAIN_ID. Without one, they are in domain 0.",
-        "If that publisher is not somebody else's, start your other program again in its domain.",
+        "If the publisher is yours, restart the program that should receive its messages, in the publisher's domain.",
         command="export ROS_DOMAIN_ID=DOMAIN",
         look="ROS_DOMAIN_ID=DOMAIN topic info -v TOPIC",
     ),
@@ -390,25 +391,25 @@ RULES: dict[str, Rule] = {
         "Build both programs with the same version of the message package, and source it in both terminals.",
     ),
     "reliability": Rule(
-        "the reliability does not fit",
+        "the reliability settings are incompatible",
         _apart("reliability", lambda each: "RELIABLE" if each.reliable else "BEST_EFFORT"),
         "A RELIABLE subscription refuses a BEST_EFFORT publisher. (A BEST_EFFORT subscription accepts any.)",
         "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or the publisher RELIABLE.",
     ),
     "durability": Rule(
-        "the durability does not fit",
+        "the durability settings are incompatible",
         _apart("durability", lambda each: "TRANSIENT_LOCAL" if each.transient_local else "VOLATILE"),
         "A TRANSIENT_LOCAL subscription refuses a VOLATILE publisher, which keeps no messages for late subscriptions.",
         "If the publisher sends only one message, make it TRANSIENT_LOCAL. Otherwise make the subscription VOLATILE.",
     ),
     "deadline": Rule(
-        "the deadline does not fit",
+        "the deadlines are incompatible",
         _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
-        "A subscription with a deadline refuses a publisher without the promise to publish that often.",
-        "Give the subscription a longer deadline or none, or give the publisher a deadline that is short enough.",
+        "A subscription with a deadline refuses a publisher that does not promise to publish that often.",
+        "Remove or lengthen the subscription's deadline, or give the publisher a deadline that is short enough.",
     ),
     "liveliness": Rule(
-        "the liveliness does not fit",
+        "the liveliness settings are incompatible",
         _apart("liveliness", _liveliness),
         "A subscription refuses a publisher whose liveliness is weaker than it asks for, or whose lease is longer.",
         "Remove the liveliness from the subscription, or give the publisher the same kind and at most the same lease.",
@@ -417,7 +418,7 @@ RULES: dict[str, Rule] = {
         "the publisher waits for /clock",
         _clock,
         "With use_sim_time, a node's timers follow /clock. Without messages there, they never fire.",
-        "Start the program that publishes /clock, such as a simulator, or start the node again with use_sim_time off.",
+        "Start the program that publishes /clock, such as a simulator, or restart the node with use_sim_time off.",
         command="--ros-args -p use_sim_time:=false",
         look="topic info /clock",
     ),
@@ -437,8 +438,8 @@ RULES: dict[str, Rule] = {
     "range": Rule(
         "discovery is switched off",
         _range,
-        "A program whose discovery range is OFF finds no other program, not even on the same machine.",
-        "Unset the variable, or set it to LOCALHOST, and start the program again.",
+        "A program whose discovery range is OFF finds no other programs, not even on the same machine.",
+        "Unset the variable, or set it to LOCALHOST, and restart the program.",
         command="export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST",
         look="printenv ROS_AUTOMATIC_DISCOVERY_RANGE",
     ),

@@ -22,7 +22,7 @@ QUIET_READS = 5  # consecutive identical reads before the graph counts as known
 PATIENT_READS = 30  # the same for a real rclpy that may still discover more: see `_reads`
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
 TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
-DISCOVERY_TIMEOUT = 2.0  # [s] that a requested node or topic can take to appear
+DISCOVERY_TIMEOUT = 2.0  # [s] how long a requested node or topic can take to appear
 TIMEOUT_ON_FAST_DDS = 6.0  # [s] the same, with Fast DDS
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 
@@ -34,7 +34,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
     wait times out, log a warning.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         wanted: returns whether the requested entity is there; if not, wait a little longer.
         timeout: maximum wait [s].
 
@@ -82,7 +82,7 @@ def _is_fast_dds() -> bool:
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
-    """Return all nodes, topics and services, some of the topics with the nodes that publish and subscribe."""
+    """Return all nodes, topics and services; for some topics, also the nodes that publish and subscribe."""
     snapshot: list[tuple[str, ...]] = []
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while any node has an empty name
@@ -90,7 +90,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while any name is not UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
-    services = getattr(node, "get_service_names_and_types", list)  # which the pocket ROS 2 does not have
+    services = getattr(node, "get_service_names_and_types", list)  # the pocket ROS 2 has no services
     with suppress(UnicodeDecodeError):
         snapshot += [(service, *types) for service, types in services()]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):

@@ -43,7 +43,7 @@ async def topic_echo(
     The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling the task.
 
     Args:
-        node: the node that subscribes; its thread must spin.
+        node: the node that subscribes; it must be spinning on another thread.
         topic: its name; if it does not exist, wait for it briefly.
         message_type: such as ``"sensor_msgs/msg/Joy"``; then subscribe even if the topic does not exist yet, or has
             several types. None for the topic's own type.
@@ -76,10 +76,11 @@ async def topic_hz(
 ) -> AsyncGenerator[str, None]:
     """Measure the rate of a topic's messages forever, like ``ros2 topic hz``.
 
-    Yield nothing while no messages arrive, and start again when simulated time jumps backwards.
+    Yield nothing while no messages arrive, and start over when simulated time jumps backwards.
 
     Args:
-        node: the node that subscribes; its thread must spin. If it uses simulated time, intervals are measured in it.
+        node: the node that subscribes; it must be spinning on another thread. If it uses simulated time, intervals are
+            measured in it.
         topic: its name; if it does not exist, wait for it briefly, then yield a warning and keep waiting.
         window: the number of recent intervals to average over.
         timeout: maximum wait for the topic, and then for each message [s]; None to wait forever.
@@ -118,7 +119,7 @@ async def _messages(
     """Yield the messages of a topic, each with its time of arrival [s], simulated or from `time.monotonic`.
 
     Args:
-        node: the node that subscribes; its thread must spin.
+        node: the node that subscribes; it must be spinning on another thread.
         kind: the class of the messages.
         topic: its full name.
         timeout: maximum wait for each message [s]; None to wait forever.
@@ -153,7 +154,7 @@ async def _messages(
 
 @asynccontextmanager
 async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenerator[None, None]:
-    """Limit a wait for a message to a timeout [s]; None sets no limit.
+    """Limit how long to wait for a message [s]; None sets no limit.
 
     Raises:
         TutorialError: no message arrived in time.

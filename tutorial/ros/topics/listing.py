@@ -36,11 +36,24 @@ def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, lis
     return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}
 
 
-async def topic_list(node: Node, show_types: bool = False) -> str:
-    """List the topics, like ``ros2 topic list``, without hidden ones; first wait until the graph is known.
+async def node_list(node: Node) -> str:
+    """Wait until the graph is known, then list the nodes that are not hidden, like ``ros2 node list``.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
+
+    Returns:
+        One line for each node.
+    """
+    await wait_for_graph(node)
+    return "".join(f"{escape_name(name)}\n" for name in node_names(node))
+
+
+async def topic_list(node: Node, show_types: bool = False) -> str:
+    """Wait until the graph is known, then list the topics that are not hidden, like ``ros2 topic list``.
+
+    Args:
+        node: the node that queries the graph; it must be spinning on another thread.
         show_types: add each topic's type, as with ``-t``.
 
     Returns:
@@ -58,7 +71,7 @@ async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
     """Describe a topic's publishers and subscriptions, like ``ros2 topic info``; wait briefly for the topic.
 
     Args:
-        node: the node that queries the graph; its thread must spin.
+        node: the node that queries the graph; it must be spinning on another thread.
         topic: its full name.
         verbose: describe each publisher and subscription with its QoS, as with ``-v``.
 

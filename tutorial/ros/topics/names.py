@@ -125,7 +125,7 @@ def _interface(type_name: str, part: str) -> Any:
 
 
 def _has_part(package: str, part: str) -> bool:
-    """Return whether a package has a part such as ``msg``, without importing it: that would run any package's code."""
+    """Return whether a package has a part such as ``msg``, without importing it, which would run any package's code."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

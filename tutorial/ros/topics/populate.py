@@ -62,7 +62,7 @@ def populated(type_name: str, text: str) -> Populated:
 
 
 def populated_request(service: Any, text: str) -> Any:
-    """Make the request of a service, and fill it with values.
+    """Create a request for a service, and fill it with values.
 
     Args:
         service: the class of the service's type.
@@ -83,7 +83,7 @@ def _parsed(text: str) -> Any:
 
 
 def _checked(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
-    """Make a message that can be sent.
+    """Create a message, and check that it can be sent.
 
     Raises:
         TutorialError: a value does not fit its field.

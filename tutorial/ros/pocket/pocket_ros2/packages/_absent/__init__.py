@@ -25,11 +25,13 @@ INSTALLATION = "https://docs.ros.org/en/jazzy/Installation.html"
 class _NotHere(Exception):  # noqa: N818  (a mixin)
     def __init__(self, what: str, hint: str = "", *, in_jazzy: bool = True) -> None:
         if in_jazzy:
-            way_out = f"A real ROS 2 Jazzy does: see {INSTALLATION}, source its setup.bash and start again.{hint}"
+            way_out = (
+                f"A real ROS 2 Jazzy does: see {INSTALLATION}, source its setup.bash, and restart your program.{hint}"
+            )
         else:
             way_out = (
                 "With a real ROS 2 Jazzy you can install it, or build it if it is your own package: see "
-                f"{INSTALLATION}, source its setup.bash and your workspace's, and start again."
+                f"{INSTALLATION}, source its setup.bash and your workspace's, and restart your program."
             )
         super().__init__(f"The pocket ROS 2 has no {what}. {way_out}")
 

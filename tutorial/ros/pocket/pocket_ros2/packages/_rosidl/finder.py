@@ -1,6 +1,7 @@
 """An import finder for ``std_msgs.msg``, ``sensor_msgs.msg`` and all other message packages.
 
-As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. Each class is made on first use.
+As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. The finder makes each class on
+first use.
 """
 
 import re

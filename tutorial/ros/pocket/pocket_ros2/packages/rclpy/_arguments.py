@@ -99,7 +99,7 @@ class Arguments:
         return None
 
     def overrides(self, node: str) -> Iterator[tuple[str, Any]]:
-        """Return the name and value of each parameter that is given for a node."""
+        """Return the name and value of each parameter override for a node."""
         return ((rule.name, rule.value) for rule in self.parameters if rule.node in ("", node))
 
     def check_enclave(self) -> None:

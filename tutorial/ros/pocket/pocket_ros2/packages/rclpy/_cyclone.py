@@ -48,7 +48,7 @@ TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 handle. An entry for a participant also begins with a guid, followed by these policies."""
 PARTICIPANT_QOS = 2
 MADE_FOR = "11.0.1"
-"""The version of the package cyclonedds for which the offsets were verified: its C API does not guarantee them."""
+"""The version of the package cyclonedds whose offsets we verified: its C API does not guarantee them."""
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
@@ -155,7 +155,7 @@ class _Endpoint:
 
     _kind: type[DataWriter[Any] | DataReader[Any]]
     _incompatible: int
-    """Cyclone DDS's status of an incompatible partner."""
+    """The Cyclone DDS status that reports an incompatible partner."""
     _get_incompatible: str
     """Name of the method that returns details about this status."""
     _get_matched: str

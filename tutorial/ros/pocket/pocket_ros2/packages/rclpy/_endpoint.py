@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Endpoint(Destroyable):
-    """Base of :class:`Publisher` and :class:`Subscription`; can be used from any thread.
+    """Base class of :class:`Publisher` and :class:`Subscription`; can be used from any thread.
 
     Args:
         node: the node that it belongs to.

@@ -34,7 +34,7 @@ class UnknownROSArgsError(RuntimeError):
 
 
 class Destroyable:
-    """Base of objects that can be destroyed; after that, their methods raise InvalidHandle."""
+    """Base class of objects that can be destroyed; after that, their methods raise InvalidHandle."""
 
     _destroyed = False
 

@@ -1,7 +1,7 @@
 """Serialise and deserialise messages.
 
-Each message type has a wire type, made from its list of fields. Topics announce it, and Cyclone DDS's codec uses it to
-encode messages by reading their attributes. Decoding uses our own code, which is faster.
+Each message type has a wire type, made from its list of fields. It is announced with each topic, and Cyclone DDS's
+codec uses it to read a message's attributes and encode them. Decoding uses our own code, which is faster.
 """
 
 from __future__ import annotations

@@ -67,7 +67,7 @@ class InvalidServiceNameException(_InvalidName):
 
 
 class ParameterException(Exception):  # noqa: N818
-    """Base of exceptions about parameters."""
+    """Base class of the parameter exceptions."""
 
     def __init__(self, error_msg: str, parameters: str | list[str]) -> None:
         super().__init__(f"{error_msg}: {parameters}")

@@ -40,7 +40,7 @@ class _ShortKeys(Enum):
 
 
 class QoSPolicyEnum(_ShortKeys, IntEnum):
-    """Base of the policies, with the numbers that rmw uses."""
+    """Base class of the policies, with the numbers that rmw uses."""
 
 
 class HistoryPolicy(QoSPolicyEnum):

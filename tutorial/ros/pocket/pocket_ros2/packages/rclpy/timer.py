@@ -61,7 +61,7 @@ class Timer(Destroyable):
         return self._canceled
 
     def cancel(self) -> None:
-        """Stop the timer; :meth:`reset` starts it again."""
+        """Stop the timer; :meth:`reset` restarts it."""
         self._now()
         self._canceled = True
 

@@ -1,0 +1,224 @@
+"""The exercise `reach`: connect two incompatible programs.
+
+A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
+volatile. The program of a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
+`TRANSIENT_LOCAL`, because it often starts late. You can change neither.
+
+Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning, and creates a
+subscription and a publisher on it.
+
+- Each of the robot's messages reaches the screen, unchanged, exactly once and in order, even if it repeats the
+  previous one.
+- `on_joint_state` is the callback. It publishes immediately, and creates nothing: subscriptions take time to discover a
+  publisher.
+- The first message can arrive as soon as the subscription exists, so create it last.
+- A screen that starts late gets the robot's newest message.
+
+Hint 1: Look at both connections separately. In each, one side offers and the other asks. What is the most that the
+relay can ask of the robot, and the least that it has to offer the screen?
+
+Hint 2: The subscription asks for no more than the robot offers: give it the robot's own profile. The publisher offers
+all that the screen asks for: a QoSProfile with a depth of 1, whose reliability is RELIABLE by default, and whose
+durability you set. The callback publishes the message that it gets.
+
+Hint 3: kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL). In __init__, self.publisher =
+node.create_publisher(JointState, "/wall/joint_state", kept), and then self.subscription =
+node.create_subscription(JointState, "/robot/joint_state", self.on_joint_state, qos_profile_sensor_data).
+
+Notice that a relay that asks for little and offers much can connect almost any two programs.
+"""
+
+from contextlib import suppress
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from sensor_msgs.msg import JointState
+
+from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
+from tutorial.checks.engine.memory_node import Endpoint as Made
+from tutorial.checks.engine.memory_node import MemoryNode
+from tutorial.checks.engine.real_dds import ros_node, wait
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
+from tutorial.ros.doctor.facts import Endpoint
+from tutorial.ros.doctor.rules import misfits
+
+
+class Relay:
+    """Publish each of the robot's messages for the screen."""
+
+    def __init__(self, node: Any) -> None:
+        kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.publisher = node.create_publisher(JointState, "/wall/joint_state", kept)
+        self.subscription = node.create_subscription(
+            JointState, "/robot/joint_state", self.on_joint_state, qos_profile_sensor_data
+        )
+
+    def on_joint_state(self, message: JointState) -> None:
+        """Publish a message."""
+        self.publisher.publish(message)
+
+
+MISTAKES = [
+    Mistake("your subscription asks for RELIABLE, the default. "
+            "The robot offers BEST_EFFORT: use qos_profile_sensor_data.",
+            replace("self.on_joint_state, qos_profile_sensor_data", "self.on_joint_state, 10")),
+    Mistake("your subscription asks for TRANSIENT_LOCAL. The robot offers VOLATILE: use qos_profile_sensor_data.",
+            replace("self.on_joint_state, qos_profile_sensor_data",
+                    "self.on_joint_state, QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, "
+                    "durability=DurabilityPolicy.TRANSIENT_LOCAL)")),
+    Mistake("your subscription asks for what the screen asks for. The robot offers less: use qos_profile_sensor_data.",
+            replace("self.on_joint_state, qos_profile_sensor_data", "self.on_joint_state, kept")),
+    Mistake("your publisher is VOLATILE, and the screen asks for TRANSIENT_LOCAL: set the durability in its profile.",
+            replace("durability=DurabilityPolicy.TRANSIENT_LOCAL", "durability=DurabilityPolicy.VOLATILE")),
+    Mistake("your publisher is BEST_EFFORT, and the screen asks for RELIABLE: leave the reliability at its default.",
+            replace("depth=1, durability", "depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, durability")),
+    Mistake("your publisher offers what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
+            replace('"/wall/joint_state", kept', '"/wall/joint_state", qos_profile_sensor_data')),
+    Mistake("you subscribe to the screen's topic, and publish on the robot's: swap the two.",
+            both(replace('"/wall/joint_state"', "ROBOT"), replace('"/robot/joint_state"', "WALL"))),
+]  # fmt: skip
+MEANING = ("Compare your code with this: one subscription to /robot/joint_state with qos_profile_sensor_data, one "
+           "publisher on /wall/joint_state that is RELIABLE and TRANSIENT_LOCAL, both created in __init__, and a "
+           "callback that publishes its message.")  # fmt: skip
+
+ROBOT, WALL = "/robot/joint_state", "/wall/joint_state"
+ASKED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def described(kind: type, qos: QoSProfile) -> Endpoint:
+    """Describe one side of a connection for the doctor's rules."""
+    return Endpoint(
+        type=kind.__name__,
+        reliable=qos.reliability != ReliabilityPolicy.BEST_EFFORT,
+        transient_local=qos.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+
+
+class Wiring:
+    """The robot and the screen, with the answer's relay between them.
+
+    Messages get through even where DDS would make no connection, so that each case observes only one thing.
+
+    Attributes:
+        node: the relay's node.
+    """
+
+    def __init__(self, trial: Trial, kind: type[MemoryNode] = MemoryNode) -> None:
+        self._trial = trial
+        self._published: list[tuple[str, JointState]] = []
+        self.node = kind(trial, lambda made, message: self._published.append((made.topic_name, message)))
+        self._relay = trial.call(trial.answer, self.node)
+
+    def send(self, message: JointState) -> None:
+        """Have the robot publish a message."""
+        subscriptions = self.node.subscriptions
+        for each in [each for each in subscriptions if each.topic_name == ROBOT] or subscriptions:
+            self._trial.call(each.callback, message)
+
+    @property
+    def shown(self) -> list[JointState]:
+        """The messages that the screen has received; if there are none, the messages on other topics."""
+        on_wall = [message for topic, message in self._published if topic == WALL]
+        return on_wall or [message for _, message in self._published]
+
+    def heard(self, made: Made) -> str:
+        """Describe the connection from the robot to one of the relay's subscriptions."""
+        robot = described(JointState, qos_profile_sensor_data)
+        return _connection(made, ROBOT, misfits(robot, described(made.kind, made.qos)))
+
+    def seen(self, made: Made) -> str:
+        """Describe the connection from one of the relay's publishers to the screen."""
+        return _connection(made, WALL, misfits(described(made.kind, made.qos), described(JointState, ASKED)))
+
+
+class HastyNode(MemoryNode):
+    """A node whose subscriptions receive a message as soon as they exist."""
+
+    def create_subscription(self, *given: Any, **named: Any) -> Made:
+        """Create a subscription, and call its callback."""
+        made = super().create_subscription(*given, **named)
+        with suppress(AttributeError):  # the publisher may be missing; other mistakes also fail in the other cases
+            made.callback(message_of(0.5))
+        return made
+
+
+def _connection(made: Made, topic: str, problems: list[str]) -> str:
+    if made.topic_name != topic:
+        return f"on {made.topic_name}"
+    return f"incompatible: {', '.join(problems)}" if problems else "connected"
+
+
+def from_robot(trial: Trial) -> str:
+    """Observe the connection from the robot to the relay."""
+    wiring = Wiring(trial)
+    return ", ".join(map(wiring.heard, wiring.node.subscriptions)) or "no subscription"
+
+
+def to_screen(trial: Trial) -> str:
+    """Observe the connection from the relay to the screen."""
+    wiring = Wiring(trial)
+    return ", ".join(wiring.seen(each) for each in wiring.node.kept if not each.callback) or "no publisher"
+
+
+def message_of(angle: float) -> JointState:
+    """Make one of the robot's messages."""
+    message = JointState(name=["TURRET_Y"], position=[angle], velocity=[0.5], effort=[0.25])
+    message.header.frame_id = "Tank"
+    message.header.stamp.sec = 7
+    return message
+
+
+def shown(*angles: float, relays: int = 1) -> Run:
+    """Observe what the screen shows of some messages: the number in each, and whether it has changed."""
+
+    def run(trial: Trial) -> list[str]:
+        wirings = [Wiring(trial) for _ in range(relays)]
+        found = []
+        for wiring in wirings:
+            for angle in angles:
+                wiring.send(message_of(angle))
+            unchanged = [message_of(angle) for angle in angles]
+            found += [f"{each.position.tolist()}{'' if each in unchanged else ' changed'}" for each in wiring.shown]
+        return found
+
+    return run
+
+
+def at_once(trial: Trial) -> str:
+    """Observe what the screen shows of a message that arrives before `Relay(node)` has returned."""
+    return ", ".join(str(each.position.tolist()) for each in Wiring(trial, HastyNode).shown)
+
+
+def on_ros(trial: Trial) -> str:
+    """Try the relay with rclpy's own nodes and a late screen."""
+    early, late = list[JointState](), list[JointState]()
+    with ros_node() as node, ros_node() as others:
+        trial.call(trial.answer, node)
+        robot = others.create_publisher(JointState, ROBOT, qos_profile_sensor_data)
+        wait(robot.get_subscription_count, "the robot's messages do not reach the relay. Check its subscription.")
+        others.create_subscription(JointState, WALL, early.append, ASKED)
+        wait(lambda: early or robot.publish(message_of(0.5)), "no message reaches the screen. Check the QoS.")
+        others.create_subscription(JointState, WALL, late.append, ASKED)
+        wait(lambda: late, "a screen that starts late gets no message. Check the durability.")
+    return f"a late screen shows {late[0].position.tolist()}"
+
+
+CASES = [
+    Case("from the robot to the relay", from_robot,
+         "You probably subscribe to a different topic or type, or not in __init__, or more than once."),
+    Case("from the relay to the screen", to_screen,
+         "You probably publish on a different topic or type, or create the publisher only in the callback."),
+    Case("a message", shown(0.5),
+         "You probably publish a new message, change it, or publish it twice. Publish the message that you get, once."),
+    Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
+         "You probably drop messages or change their order. Publish each message in the callback."),
+    Case("the same message three times", shown(0.5, 0.5, 0.5),
+         "You probably skip a message that repeats the previous one. Publish each one."),
+    Case("messages of 0", shown(0.0, 0.0), "You probably treat 0 as missing. Publish each message."),
+    Case("a message that arrives as soon as the relay subscribes", at_once,
+         "You probably subscribe before the publisher exists. Create the subscription last."),
+    Case("two relays", shown(0.5, relays=2), "You probably keep something on the class. Set it on self, in __init__."),
+]  # fmt: skip
+IMPORTS = ("from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data",)
+reach = Exercise("reach", __doc__, Cases(Relay, CASES, MISTAKES, MEANING, on_ros=on_ros), imports=IMPORTS)
