@@ -27,7 +27,7 @@ def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
         if not (notebooks / page.name).exists():
             page.unlink()
     shutil.copytree(notebooks / "images", pages / "images", dirs_exist_ok=True)
-    for path in sorted(notebooks.glob("[0-9]_*.ipynb")):
+    for path in sorted(notebooks.glob("[0-9]*_*.ipynb")):
         notebook = json.loads(path.read_text(encoding="utf-8"))
         _put_in_place(notebook, kept / path.stem)
         text = json.dumps(notebook, ensure_ascii=False)

@@ -64,6 +64,14 @@ def test_a_good_driver_gets_over_80_points_and_a_page(program, tmp_path):
 
 
 @pytest.mark.process
+def test_a_limit_ends_a_race_early(program, tmp_path):
+    running = program("race", DRIVERS / "baseline.py", "--limit", "1", "--json", tmp_path / "scores.json")
+    assert running.ends() == 0
+    entry = json.loads((tmp_path / "scores.json").read_text())
+    assert (entry["end"], entry["limit"], round(entry["seconds"], 1)) == ("time up", 1.0, 1.0)
+
+
+@pytest.mark.process
 def test_a_league_names_each_fault_and_leaves_nothing(program, tmp_path):
     paths = [tmp_path / f"{name}.py" for name in FAULTY]
     for path, (text, _) in zip(paths, FAULTY.values()):

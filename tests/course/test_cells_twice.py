@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(600)]
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_every_cell_runs_twice_in_a_row(path, domain, tmp_path, monkeypatch):
     need_ros_for(path)
-    if "camera" in path.stem:
+    if "camera" in path.stem or "race" in path.stem:
         need_pictures()
     for part in ("notebooks", "project", "launch_py"):
         shutil.copytree(HOME / part, tmp_path / part)

@@ -2,9 +2,11 @@
 
 import ast
 import re
+import runpy
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
 from steps import BESIDE
 
@@ -38,7 +40,7 @@ def code_cells(notebook):
 def test_there_is_a_notebook_for_each_controller():
     assert [module for _, module in sorted(LESSONS, key=lambda lesson: lesson[1])] == FILES
     without = [path.stem for path in NOTEBOOKS if not any(teaches(path, module) for module in FILES)]
-    assert without == ["0_setup", "10_services", "9_nothing_arrives"]
+    assert without == ["0_setup", "10_services", "11_race", "9_nothing_arrives"]
 
 
 def test_outputs_come_from_one_complete_run(notebook):
@@ -123,3 +125,17 @@ def test_answers_to_exercises_are_folded(notebook):
     for cell in code_cells(notebook):
         folded = cell.metadata.get("jupyter", {}).get("source_hidden", False)
         assert folded == any(code in cell.source for code in answers), cell.source
+
+
+@pytest.mark.parametrize("column", [0, 100, 319, None])
+def test_the_races_driver_is_the_baseline(column):
+    cells = code_cells(nbformat.read(HOME / "notebooks" / "11_race.ipynb", as_version=4))
+    (written,) = (cell.source for cell in cells if cell.source.startswith("%%writefile my_driver.py\n"))
+    names = {"__name__": "my_driver"}
+    exec(written.partition("\n")[2], names)
+    baseline = runpy.run_path(str(HOME / "tests" / "support" / "drivers" / "baseline.py"))["Baseline"]
+    ours, theirs = (each.__new__(each) for each in (names["Driver"], baseline))  # without a node
+    pixels = np.full((240, 320, 3), 90, np.uint8)
+    if column is not None:
+        pixels[100:, column] = 255, 200, 0
+    assert ours.steer(ours.find_error(pixels)) == theirs.steer(pixels)

@@ -38,6 +38,7 @@ def test_commands_on_the_pages_are_valid(page, monkeypatch):
     monkeypatch.chdir(HOME)
     # click must accept paths that only the reader has
     monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))
+    monkeypatch.setattr(click.File, "convert", lambda _self, path, *_: path)
     blocks = re.findall(r"^```console\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL)
     for line in re.findall(r"^\$ (.*)", "\n".join(blocks), re.MULTILINE):
         words = shlex.split(line, comments=True)

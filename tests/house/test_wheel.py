@@ -18,7 +18,7 @@ PAGES = (
     *("bags", "comparison", "fleet", "glossary", "nothing_arrives", "own_interfaces", "own_package", "real_ros2"),
     *("teaching", "tools"),
 )
-JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
+JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT", "my_driver.py", "straight.py"}
 NO_OTHER = """
 import sys
 from pathlib import Path

@@ -29,7 +29,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip the cells of a notebook that needs what this machine or this run lacks: images, or a real ROS 2."""
     if isinstance(item.parent, IPyNbFile):
         need_ros_for(item.parent.path)
-        if item.parent.path.stem == "6_camera_publisher":
+        if item.parent.path.stem in ("6_camera_publisher", "11_race"):
             need_pictures()
 
 

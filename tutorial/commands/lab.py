@@ -96,7 +96,7 @@ def trust(folder: Path, **settings: str) -> None:
     """
     logging.getLogger("traitlets").setLevel(logging.WARNING)  # its info messages include the path of its key
     notary = NotebookNotary(**settings)  # type: ignore[no-untyped-call]
-    for path in sorted(folder.glob("[0-9]_*.ipynb")):
+    for path in sorted(folder.glob("[0-9]*_*.ipynb")):
         try:
             notary.sign(nbformat.read(path, as_version=4))  # type: ignore[no-untyped-call]
         except Exception as error:  # noqa: BLE001 - JupyterLab will report what is wrong with it

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
+from tutorial.race.rules import LIMIT
 from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
@@ -26,6 +27,10 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.command(short_help="Let a node of your own drive the tank along a line, and score it.")
 @click.argument("drivers", nargs=-1, required=True, metavar="DRIVER...", type=FILE)
 @click.option("--layout", default="bend", show_default=True, help="Use this line: a name, or a YAML file of points.")
+@click.option(
+    "--limit", type=click.FloatRange(1, LIMIT), default=LIMIT, show_default=True, metavar="SECONDS",
+    help="End each race after SECONDS, for a first try.",
+)  # fmt: skip
 @click.option("--sandbox", is_flag=True, help="Run the drivers in a sandbox, where they can change no files.")
 @click.option("--view", is_flag=True, help="Show a 3D view.")
 @click.option(
@@ -36,7 +41,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
     "--replay", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
     help="Write a page for each driver to DIR, which replays its race.",
 )  # fmt: skip
-def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, replay: Path | None, **how: bool) -> int:
+def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, replay: Path | None, **how: Any) -> int:
     """Score each DRIVER, a Python file with a node that publishes on /joy.
 
     A driver sees the line through the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
@@ -97,6 +102,7 @@ async def _race_all(
     replay: Path | None,
     view: bool,
     sandbox: bool,
+    limit: float,
 ) -> None:
     """Run one race after another, because two at a time would slow each other down."""
     from tutorial.commands.racing import race
@@ -105,7 +111,7 @@ async def _race_all(
         if len(drivers) > 1:
             print_text(f"{number} of {len(drivers)}: {path.name}\n", err=True)
         html = None if replay is None else replay / f"{path.stem}-{layout}.html"
-        entries.append(await race(path, project, layout, html, view, len(drivers) == 1, sandbox))
+        entries.append(await race(path, project, layout, html, view, len(drivers) == 1, sandbox, limit))
         if scoreboard is not None:
             scoreboard.write(json.dumps(entries[-1].as_dict()) + "\n")
             scoreboard.flush()

@@ -151,7 +151,14 @@ class Driver:
 
 
 async def race(
-    path: Path, project: Project, layout: str, html: Path | None, view: bool, loud: bool, is_sandboxed: bool
+    path: Path,
+    project: Project,
+    layout: str,
+    html: Path | None,
+    view: bool,
+    loud: bool,
+    is_sandboxed: bool,
+    limit: float,
 ) -> Entry:
     """Run one race in a ROS domain of its own, then stop everything that belongs to it.
 
@@ -163,6 +170,7 @@ async def race(
         view: whether to serve a 3D view.
         loud: whether to print the driver's output on stderr.
         is_sandboxed: whether the driver runs in a sandbox.
+        limit: the longest duration [s], in simulated time.
 
     Raises:
         TutorialError: the world is not suitable for a race, or a file cannot be written.
@@ -184,6 +192,7 @@ async def race(
             return Entry(path.name, layout, Result(end=NO_START), problem)
         referee = host.controllers["Referee"]
         assert isinstance(referee, Referee)
+        referee.limit = limit
         note, real_time = await _run(host, referee, driver)
         if fingerprint() != before:
             referee.race.disqualify("files of the tutorial changed during the race")
