@@ -137,7 +137,7 @@ SENSOR = Endpoint("/sensor", JOINTS, reliable=False)
 KEEPER = Endpoint("/keeper", JOINTS, transient_local=True)
 LOSER = Endpoint("/loser", JOINTS, reliable=False, transient_local=True)
 VIEWER, LATE = Endpoint("/viewer", JOINTS), Endpoint("/late", JOINTS, transient_local=True)
-EASY = Endpoint("/easy", JOINTS, reliable=False)
+SHAKER, EASY = Endpoint("/shaker", IMU), Endpoint("/easy", JOINTS, reliable=False)
 EASY_LATE = Endpoint("/easy_late", JOINTS, reliable=False, transient_local=True)
 
 
@@ -172,6 +172,7 @@ def named(trial: Trial, facts: Facts) -> str:
 
 ORDER = "You probably test the causes in a different order. Return the first one in the list that applies."
 OTHER_TYPE = "You probably count a publisher of a different type. Only one of the subscription's type can match."
+EACH = "You probably check only one subscription, or only whether any of them has a publisher. Each one needs one."
 ALONE = "You probably look at something else first. Without a publisher, only found_in tells the two causes apart."
 TYPES = "You probably don't compare the types of both sides: each.type == subscription.type."
 CASES = [
@@ -203,7 +204,10 @@ CASES = [
     Case("two publishers, only the one of a different type is reliable", graph(SENSOR, STRANGER), OTHER_TYPE),
     Case("two publishers, only the one of a different type keeps messages",
          graph(TANK, KEEPING_STRANGER, to=(LATE,)), OTHER_TYPE),
-    Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE))),
+    Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE)), EACH),
+    Case("two subscriptions, the first one refuses", graph(TANK, to=(LATE, VIEWER)), EACH),
+    Case("two subscriptions, one of a different type", graph(TANK, to=(VIEWER, SHAKER)), EACH),
+    Case("two subscriptions, only one of them accepts best effort", graph(SENSOR, to=(EASY, VIEWER)), EACH),
     Case("no subscription", graph(TANK, to=()),
          "You probably expect a subscription. Without one, go on to the messages.", crashes=True),
     Case("no message arrives", graph(TANK, received=0)),

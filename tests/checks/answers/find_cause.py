@@ -29,6 +29,11 @@ def durable(p, s):
     return reliable(p, s) and p.transient_local >= s.transient_local
 
 
+def all_lonely(fits):
+    """Return a rule: no publisher fits any subscription."""
+    return lambda f: f.subscriptions and not any(fits(p, s) for p in f.publishers for s in f.subscriptions)
+
+
 RULES = {
     "domain": lambda f: not f.publishers and f.found_in,
     "nobody": lambda f: not f.publishers,
@@ -139,6 +144,7 @@ def the_wrong_way_round(policy, some):
 
 NO_PUBLISHER, APART, NO_MESSAGE = ("domain", "nobody"), ("type", "reliability", "durability"), ("clock", "silent")
 LATE_TYPE = "you test for the type too late"
+EACH = "You probably check only one subscription"
 OTHER_TYPE = "You probably count a publisher of a different type"
 FIRST = "you check only the first publisher"
 WHOLE = "Compare whole names"
@@ -157,6 +163,9 @@ WRONG = [
     (with_rules(reliability=lonely(any_type)), OTHER_TYPE),
     (with_rules(durability=lonely(durable_of_any_type)), OTHER_TYPE),
     (with_rules(durability=lonely(durable_if_reliable)), "even for a best-effort subscription"),
+    (with_rules(type=all_lonely(typed), reliability=all_lonely(reliable), durability=all_lonely(durable)), EACH),
+    (with_rules(type=all_lonely(typed)), EACH),
+    (lambda facts: cause_of(replace(facts, subscriptions=facts.subscriptions[-1:])), EACH),
     (with_rules(clock=on_a_clock(all, lambda node, users: node in users)), ENOUGH),
     (with_rules(clock=on_a_clock(next, lambda node, users: node in users)), ENOUGH),
     (with_rules(clock=on_a_clock(any, lambda node, users: node in " ".join(users))), WHOLE),
