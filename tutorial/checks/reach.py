@@ -256,7 +256,7 @@ CASES = [
          "You probably publish on a different topic or type, or create the publisher only in the callback."),
     Case("a message", shown(0.5),
          "You probably publish a new message, change it, or publish it twice. Publish the message that you get, once."),
-    Case("a message while no screen is there", shown(0.5, screens=0),
+    Case("a message while no screen is there", shown(0.3, screens=0),
          "You probably publish only while a screen is connected. Publish always: a late screen gets the message, too."),
     Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
          "You probably drop messages or change their order. Publish each message in the callback."),
