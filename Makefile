@@ -18,7 +18,7 @@ RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
 WHEELS := $(filter Linux-x86_64,$(shell uname -sm | tr ' ' '-'))# the platform for which PyPI has a real ROS 2
 ON_ROS2 := beside-ros2 $(if $(WHEELS),notebooks-on-rclpy lesson-on-rclpy) $(if $(TANK_REAL_ROS2),$(RMWS:%=behaviours-on-%))
 BEHAVIOURS := $(if $(TANK_REAL_ROS2),,tests/ros/pocket)# with a complete ROS 2, they run on that one, with both RMWs
-LESSON := $(BEHAVIOURS) tests/controllers tests/checks tests/course/test_notebooks.py $(wildcard tests/test_*.py)
+LESSON := $(BEHAVIOURS) tests/ros/test_watched_node.py tests/controllers tests/checks tests/course/test_notebooks.py $(wildcard tests/test_*.py)
 export PYTHONDONTWRITEBYTECODE :=  # compile modules once, not in each of hundreds of processes
 unexport MAKEFLAGS  # or ninja, which tests start, would join make's job server
 

@@ -17,6 +17,7 @@ STEPS = (
     ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
     ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
     ("nothing_arrives", "fixes: eight times, a viewer shows nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
+    ("services", "services, clients and parameters, a deadlock and its repairs", "`/Tank/reset`, `/Tank/set_motors`"),
 )
 """Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 
@@ -29,7 +30,7 @@ PAGES = {
 
 def pages() -> dict[Path, str]:
     """Return the text of each page with up-to-date tables."""
-    rows = [_row(number, *step) for number, step in enumerate(STEPS)]
+    rows = [_row(*step) for step in STEPS]
     written = {}
     for page, columns in PAGES.items():
         head = "".join(f" {column} |" for column in columns[1:]) + f"\n{'|---' * len(columns)}|\n"
@@ -39,10 +40,11 @@ def pages() -> dict[Path, str]:
     return written
 
 
-def _row(number: int, name: str, builds: str, topic: str) -> dict[str, str]:
-    notebook = f"notebooks/{number}_{name}.ipynb"
+def _row(name: str, builds: str, topic: str) -> dict[str, str]:
+    (path,) = HOME.glob(f"notebooks/[0-9]*_{name}.ipynb")
+    number, notebook = path.stem.partition("_")[0], f"notebooks/{path.name}"
     return {
-        "step": str(number),
+        "step": number,
         "notebook": f"[`{number}_{name}`]({notebook})",
         "notebook on the page": f"[Step {number}]({notebook})",
         "you build": builds,

@@ -19,7 +19,7 @@ from tutorial.handoff import CallQueue, Latest, RequestQueue
 
 
 async def until_idle(queue: CallQueue) -> None:
-    """Let the loop run until no call waits."""
+    """Let the loop run until no call is waiting."""
     while len(queue):
         await asyncio.sleep(0)
     await asyncio.sleep(0)
@@ -302,7 +302,7 @@ class TestRequests:
         let = threading.Event()
         with stepping(requests):
             said = refusal(requests.ask, let.wait, TIMEOUT, timeout=0.05)
-            assert said == "the request has begun, but not returned within 0.05 s."
+            assert said == "the request has begun, but has not returned within 0.05 s."
             let.set()
             assert requests.ask(int) == 0
 
@@ -325,7 +325,7 @@ class TestRequests:
         steps = []
         with stepping(requests, lambda: steps.append(1)), ThreadPoolExecutor(2) as pool:
             list(pool.map(lambda _: requests.ask(int), range(200)))
-        assert len(steps) >= 100, "two at most in each step"
+        assert len(steps) >= 100, "at most two in each step"
 
     def test_each_is_answered_or_refused_however_they_interleave(self, requests):
         for seed in range(200):
@@ -350,7 +350,7 @@ class TestRequests:
                     for i in range(3):
                         pool.submit(ask_some, range(10 * i, 10 * i + 10))
                     assert reached.wait(TIMEOUT)
-                with stepping(requests):  # some of those who were not refused meanwhile ask again
+                with stepping(requests):  # some callers that were not refused meanwhile ask again
                     pass
             assert sorted(answered) == sorted(ran), "nothing that was refused was carried out"
             assert sorted(answered + refused) == list(range(30)), seed

@@ -329,11 +329,11 @@ class Body:
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def reset(self) -> None:
-        """Put the body back to where it starts, at rest."""
+        """Move the body back to its start, at rest."""
         self._check("reset")
         self.data.qpos[self.qpos_slice] = self.model.qpos0[self.qpos_slice]
         self.data.qvel[self._dof_slice] = self.data.qacc_warmstart[self._dof_slice] = 0.0
-        mujoco.mj_forward(self.model, self.data)  # for those who read poses and sensors before the next step
+        mujoco.mj_forward(self.model, self.data)  # for code that reads poses and sensors before the next step
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
@@ -379,7 +379,7 @@ class Body:
 
 
 def _slice(joint_ids: Sequence[int], addresses: NDArray[np.int32], size: int) -> slice:
-    """Return a body's part of an array such as ``qpos``. MuJoCo numbers a body's joints in sequence, so one is enough.
+    """Return a body's part of an array such as ``qpos``. MuJoCo numbers a body's joints in sequence.
 
     Args:
         joint_ids: the body's joints.

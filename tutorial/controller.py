@@ -60,7 +60,7 @@ class ControllerConfig:
     node: Node
     call_later: CallLater
     call_latest: CallLatest
-    ask: Ask = field(default_factory=lambda: RequestQueue().ask)  # refuses, as without a simulation
+    ask: Ask = field(default_factory=lambda: RequestQueue().ask)  # refuses every request
 
 
 class ControllerIO:

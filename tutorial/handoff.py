@@ -6,8 +6,8 @@ belongs to a different thread, so it hands over what it received, and returns. T
 - as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
 - as an *event*, if each of them matters: `CallScope.call_later`.
 
-A service's callback needs something back: `RequestQueue.ask` has the simulation's thread do something, and returns the
-answer.
+A service's callback needs a result: `RequestQueue.ask` has the simulation's thread call a function, and returns what
+the function returned.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ class CallQueue:
         _log.warning(BUSY, count, waited, first.scope.owner)
 
     def _turn(self) -> None:
-        """Run the calls that wait now; calls posted meanwhile get the next turn. Main thread only."""
+        """Run the calls that are waiting now; calls posted meanwhile get the next turn. Main thread only."""
         try:
             self._warn_if_busy()
             for _ in range(len(self._waiting)):
@@ -229,15 +229,15 @@ class _Call:
 
 
 class RequestQueue:
-    """Requests that callbacks make of the simulation, and whose answers they wait for.
+    """Requests from callbacks to the simulation. Each callback waits for the answer.
 
     The thread that steps the simulation carries them out between two steps, so `ask` blocks the executor's thread only
     until the current step ends, usually for a few milliseconds, and never longer than its timeout. While the simulation
-    is not running, and when it stops, requests are refused at once: a shutdown leaves nobody waiting.
+    is not running, and when it stops, requests are refused at once, so that a shutdown leaves nobody waiting.
 
-    A coroutine could await the answer instead, but with rclpy that gains nothing. While it awaits, its callback group
-    runs no other callback, either. The executor notices the answer only when something else wakes it, often 50 ms
-    later. And a coroutine that still awaits at shutdown is dropped, so its client never gets a response.
+    A coroutine could await the answer instead, but with rclpy that gains nothing. While it is waiting, its callback
+    group runs no other callbacks, either. The executor notices the answer only when something else wakes it, often
+    50 ms later. And a coroutine that is still waiting at shutdown is dropped, so its client never gets a response.
     """
 
     def __init__(self) -> None:
@@ -259,7 +259,7 @@ class RequestQueue:
         """Refuse the waiting requests, and all that follow until the next `open`. Idempotent, thread-safe.
 
         Args:
-            reason: the text of the error that the callers of `ask` get.
+            reason: the text of the error that `ask` raises.
         """
         with self._lock:
             self._refusal, refused, self._waiting = reason, self._waiting, []
@@ -277,7 +277,7 @@ class RequestQueue:
 
         Raises:
             RefusedError: the function was not called, or did not return in time; the text says which.
-            WrongThreadError: the caller is on the simulation's thread, and would wait for itself.
+            WrongThreadError: the caller is on the simulation's thread, so it would wait for itself.
             Exception: the function raised it.
         """
         answer: Future[T] = Future()
@@ -291,11 +291,11 @@ class RequestQueue:
         if answer.cancel():  # the request has not begun, and never will
             raise RefusedError(f"the simulation has not finished its step within {timeout:g} s.")
         if not answer.done():
-            raise RefusedError(f"the request has begun, but not returned within {timeout:g} s.")
+            raise RefusedError(f"the request has begun, but has not returned within {timeout:g} s.")
         return answer.result()
 
     def run_waiting(self) -> None:
-        """Carry out the requests that wait now. Only for the simulation's thread, between two steps.
+        """Carry out the requests that are waiting now. Only for the simulation's thread, between two steps.
 
         Requests that arrive meanwhile wait for the next call, so that callers cannot hold up the simulation.
         """

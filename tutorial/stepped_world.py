@@ -109,7 +109,7 @@ class SteppedWorld:
         data: the model's state, which belongs to the thread that steps.
         time_step: as given.
         bodies: the simulated bodies by name.
-        requests: what other threads have asked for, to be carried out between two steps.
+        requests: requests of other threads, which are carried out between two steps.
         step: the number of simulated steps.
         initialized: whether the controllers have been initialized, and not dismissed since.
 
@@ -168,7 +168,7 @@ class SteppedWorld:
         self.initialized = True
 
     def run_steps(self, run: Run, count: int) -> bool:
-        """Carry out the requests that wait, call every controller, and let MuJoCo step, ``count`` times.
+        """Carry out the waiting requests, call every controller, and let MuJoCo step, ``count`` times.
 
         Returns:
             True after all steps; False if the run had to end earlier.

@@ -94,7 +94,7 @@ def _make_world(placements: Iterable[Placement], time_step: float | None) -> tup
 
 
 def _read(placement: Placement) -> mujoco.MjSpec:
-    """Read a model, an MJCF file, a URDF or a line, without the geoms to leave out."""
+    """Read a model (an MJCF file, a URDF or a line), and remove the geoms to leave out."""
     path = placement.model
     try:
         str(path).encode()  # MuJoCo accepts only names in UTF-8

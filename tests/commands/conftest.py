@@ -24,6 +24,7 @@ class Run:
         self.out, self.err = io.StringIO(), io.StringIO()
         self.status: int | None = None
         self.stops: list[Callable[[], object]] = []
+        self.timed_out = False
 
     @property
     def stdout(self) -> str:
@@ -42,7 +43,7 @@ class Run:
         try:
             until(lambda: (self.stops and so()) or self.status is not None)
         except AssertionError:
-            then = None
+            self.timed_out, then = True, None
         (then or self.stops[-1])()
 
 
@@ -73,6 +74,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
                 watcher.join()
         print(done.output)  # pytest shows this if the test fails
         assert "Traceback" not in done.output
+        assert not done.timed_out, "what it waits for has not happened"
         return done
 
     return run

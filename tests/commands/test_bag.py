@@ -46,7 +46,7 @@ def test_a_drive_is_recorded_and_played(tank, node, tmp_path):
 
 
 def test_recording_waits_for_a_publisher(tank, tmp_path):
-    run = tank("bag record /nobody -s sqlite3 -o", tmp_path / "bag", once="Ctrl-C ends it\n")
+    run = tank("bag record /nobody -s sqlite3 -o", tmp_path / "bag", once="Ctrl-C stops it\n")
     assert (run.status, "0 messages of 0 topics in 0.0 s\n" in run.stdout) == (0, True)
     assert Bag(tmp_path / "bag").damage == ""
     played = tank("bag play", tmp_path / "bag")

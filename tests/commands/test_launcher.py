@@ -192,7 +192,7 @@ def test_a_bad_launch_file_is_reported_before_any_start(launch_file, text, said)
         load_launch_file(path)
     assert str(info.value).startswith(str(path))
     assert said in str(info.value)
-    assert len(str(info.value)) < 2 * len(str(path)) + 250
+    assert len(str(info.value)) < 2 * len(str(path)) + 300
 
 
 @pytest.mark.process

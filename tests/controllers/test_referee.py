@@ -87,8 +87,8 @@ async def test_a_second_publisher_is_a_foul(race, message_type, topic, allowed):
     [
         (lambda data: data.qpos.__setitem__(0, 0.9), "the tank has jumped 0.9"),
         (lambda data: data.qvel.__setitem__(0, 20.0), "the tank has jumped 0."),
-        (lambda data: data.qfrc_applied.__setitem__(0, 5.0), "a force that is not a motor's moves the tank"),
-        (lambda data: data.xfrc_applied.__setitem__((-1, 0), 5.0), "a force that is not a motor's moves the tank"),
+        (lambda data: data.qfrc_applied.__setitem__(0, 5.0), "something other than its motors moves the tank"),
+        (lambda data: data.xfrc_applied.__setitem__((-1, 0), 5.0), "something other than its motors moves the tank"),
     ],
 )
 @in_a_loop

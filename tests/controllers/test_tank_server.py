@@ -71,7 +71,7 @@ async def test_motors_can_be_switched_off_and_on(step10):
             client = Client(thread.node)
             host.simulation.start()
             assert await client.call(SetBool, data=False) == (True, "the motors are off")
-            await until(lambda: barrel.position < -0.15, "the barrel falls: -10 degrees is as low as it can")
+            await until(lambda: barrel.position < -0.15, "the barrel falls: -10 degrees is as low as it can go")
             assert await client.call(SetBool, data=True) == (True, "the motors are on")
             await until(lambda: barrel.position > -0.02, "the barrel is raised again")
 

@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 import tutorial.notebook  # noqa: F401  (it defines the widgets)
 from tutorial.system.paths import HOME
 
-NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))
 LARGEST = 400_000  # bytes
 
 

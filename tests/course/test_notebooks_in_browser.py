@@ -4,6 +4,7 @@ import pytest
 from browser import AS_WITHOUT
 from desk import lab_desk
 from lab import copy_files
+from real_ros import need_ros_for
 from screen import Learner
 
 from tutorial.commands.lab import trust
@@ -32,6 +33,7 @@ def test_shift_enter_runs_every_cell_with_its_effect_on_the_screen(desk, path):
     screen. It describes the nearest cell above that shows something, back to the previous *What you should see* or a
     heading.
     """
+    need_ros_for(path)
 
     async def main():
         notebook = await desk.lab.open(desk.page, f"notebooks/{path.name}")

@@ -44,7 +44,7 @@ def test_every_widget_of_the_notebooks_is_saved(monkeypatch):
     monkeypatch.syspath_prepend(BOOK)
     from keepsakes import FOLDER, WIDGET
 
-    for path in sorted((HOME / "notebooks").glob("[0-9]_*.ipynb")):
+    for path in sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb")):
         cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
         outputs = [output for cell in cells for output in cell.get("outputs", ())]
         texts = ["".join(output.get("data", {}).get("text/plain", "")) for output in outputs]

@@ -14,7 +14,11 @@ SCRIPT = """
 import importlib, signal, sys
 before = signal.getsignal(signal.SIGINT)
 for name in sys.argv[1:]:
-    importlib.import_module(name)
+    try:
+        importlib.import_module(name)
+    except ImportError as error:
+        if type(error).__name__ != "NeedsRealROSError":  # services: the pocket ROS 2 has none
+            raise
     assert signal.getsignal(signal.SIGINT) is before, name
 """
 

@@ -16,7 +16,7 @@ import pytest
 from tutorial.commands.tank import tank
 from tutorial.system.paths import HOME, find_drive, find_launch_file, find_model, find_project
 
-NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))
 POCKET = HOME / "tutorial/ros/pocket/README.md"
 PAGES = [HOME / name for name in ("README.md", "CONTRIBUTING.md", ".ci/README.md", "tests/README.md")]
 PAGES += sorted({*HOME.glob("book/*.md"), *HOME.glob("tutorial/**/README.md")} - {POCKET})

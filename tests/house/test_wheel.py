@@ -14,7 +14,10 @@ from tutorial.system.paths import PACKAGE
 CHECKOUT = PACKAGE.parent
 POCKET = PACKAGE / "ros/pocket"
 COURSE = ("launch_py", "notebooks", "project")
-PAGES = ("bags", "comparison", "fleet", "glossary", "own_interfaces", "own_package", "teaching", "tools")
+PAGES = (
+    *("bags", "comparison", "fleet", "glossary", "nothing_arrives", "own_interfaces", "own_package", "real_ros2"),
+    *("teaching", "tools"),
+)
 JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
 NO_OTHER = """
 import sys

@@ -237,7 +237,7 @@ def test_services_and_parameters_are_printed_as_by_ros2(answering, tmp_path):
 
 
 WAITING = "waiting for service to become available...\n"
-"""What ``ros2 service call`` prints if its new node has not found the service at once; ``tank`` waits a moment."""
+"""What ``ros2 service call`` prints if its node has not discovered the service yet; ``tank`` first waits a moment."""
 
 COUNT = 100
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)

@@ -38,6 +38,12 @@ TWO = "if len(together) == 2:"
 DROP = "del self.waiting[next(iter(self.waiting))]"
 COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['joints'], together['pose'])"
 TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
+OPEN_DOOR, GO_HOME = (
+    f"self.{name} = self.node.create_client(Trigger, '/{name}', callback_group=group)"
+    for name in ("open_door", "go_home")
+)
+PIT_STOP = "self.service = self.node.create_service(Trigger, '/pit_stop', self.on_pit_stop)"
+DESCRIBED = "descriptor = ParameterDescriptor(description=f'limit of the {{{}}} [m/s]', floating_point_range=limits)"
 
 
 def now_and_then(what: str, rate: int) -> dict[str, tuple[str, ...]]:
@@ -121,5 +127,12 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "any depth keeps the newest message; rclpy replaces a depth of 0": becomes(
             KEPT, KEPT.replace("=1", "=2"), KEPT.replace("=1", "=0")
         ),
+    },
+    "ask": {
+        UNRELATED: (swapped(OPEN_DOOR, GO_HOME),),
+        "the check's first request comes after configure": (swapped(GO_HOME, PIT_STOP),),
+    },
+    "tune": {
+        "an answer may choose the descriptions": becomes(*map(DESCRIBED.format, ("name", "limits", "value"))),
     },
 }

@@ -11,6 +11,7 @@ import pytest
 from jupyter_client.manager import KernelManager
 from nbval.plugin import IPyNbFile
 from pictures import need_pictures
+from real_ros import need_ros_for
 
 from tutorial.ros.domains import reserved_domain
 
@@ -25,9 +26,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip the cells of a notebook that waits for images if this machine cannot render."""
-    if isinstance(item.parent, IPyNbFile) and item.parent.path.stem == "6_camera_publisher":
-        need_pictures()
+    """Skip the cells of a notebook that needs what this machine or this run lacks: images, or a real ROS 2."""
+    if isinstance(item.parent, IPyNbFile):
+        need_ros_for(item.parent.path)
+        if item.parent.path.stem == "6_camera_publisher":
+            need_pictures()
 
 
 @pytest.hookimpl(wrapper=True)

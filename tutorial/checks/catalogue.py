@@ -10,10 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tutorial import checks
+from tutorial.ros.backend import ros_backend
 from tutorial.system.paths import HOME
 
 if TYPE_CHECKING:
     from tutorial.checks.exercise import Exercise
+
+NEEDS_REAL_ROS = "10_services"
 
 
 @cache
@@ -21,11 +24,15 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
     """Return all exercises in the course's order, by notebook, such as ``1_tank_controller``.
 
     A notebook and its module here have the same name, except for the number. The module's ``__all__`` lists the
-    exercises in the notebook's order. Modules without a notebook come last.
+    exercises in the notebook's order. Modules without a notebook come last. The pocket ROS 2 has no services, so it
+    leaves out the exercises about them.
     """
+    names_of = exercise_names()
+    if ros_backend() == "pocket":
+        names_of.pop(NEEDS_REAL_ROS, None)
     return {
         title: tuple(getattr(importlib.import_module(f"{checks.__name__}.{name}"), name) for name in names)
-        for title, names in exercise_names().items()
+        for title, names in names_of.items()
     }
 
 
@@ -37,9 +44,15 @@ def exercise_names(step: int | None = None) -> dict[str, list[str]]:
     notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
     modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if not each.ispkg]
     listed = {notebooks.get(name, name): _listed(name) for name in modules}
-    found = {title: [name for name in listed[title] if name in modules] for title in sorted(listed)}
+    found = {title: [name for name in listed[title] if name in modules] for title in sorted(listed, key=_place)}
     prefix = "" if step is None else f"{step}_"
     return {title: names for title, names in found.items() if names and title.startswith(prefix)}
+
+
+def _place(title: str) -> tuple[bool, int, str]:
+    """Return a key that sorts notebooks by their numbers, and modules without a notebook after them."""
+    number = title.partition("_")[0]
+    return not number.isdecimal(), int(number) if number.isdecimal() else 0, title
 
 
 def _listed(module: str) -> list[str]:

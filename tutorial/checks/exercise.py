@@ -155,7 +155,7 @@ def listing(part: Any) -> str:
         match node:
             case ast.arg(annotation=ast.expr() as kind) | ast.AnnAssign(annotation=kind):
                 shown = shown.replace(f": {ast.get_source_segment(source, kind)}", "")
-            case ast.FunctionDef(returns=ast.expr() as kind):
+            case ast.FunctionDef(returns=ast.expr() as kind) | ast.AsyncFunctionDef(returns=ast.expr() as kind):
                 shown = shown.replace(f" -> {ast.get_source_segment(source, kind)}:", ":")
             case ast.Expr(ast.Constant(str())):
                 shown = re.sub(rf"\n *{re.escape(ast.get_source_segment(source, node) or '')}", "", shown)

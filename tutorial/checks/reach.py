@@ -166,7 +166,7 @@ class Wiring:
 
 
 class HastyNode(MemoryNode):
-    """A node on which a message arrives as soon as there is a subscription."""
+    """A node whose subscriptions receive a message as soon as they exist."""
 
     def create_subscription(self, *given: Any, **named: Any) -> Made:
         """Create a subscription, and call its callback."""

@@ -40,7 +40,7 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool, ser
 
     folder = destination / name
     if interfaces + service + (own is not None) > 1:
-        raise click.UsageError("Give only one of --controller, --interfaces and --service: a package has one of them.")
+        raise click.UsageError("Give only one of --controller, --interfaces and --service for a package.")
     example = "server" if service else "listener"
     files, executable = (
         (make_interfaces(name), "") if interfaces else make_package(name, part_class(own) if own else None, example)

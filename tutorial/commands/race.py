@@ -39,11 +39,11 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, replay: Path | None, **how: bool) -> int:
     """Score each DRIVER, a Python file with a node that publishes on /joy.
 
-    A driver sees the line with the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
-    turret, and touches the orange rail with the barrel. A race ends after 40 s, after 10 s without progress, and
-    when the driver's program ends. The table is sorted by the score, which is at most 100.
+    A driver sees the line through the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
+    turret, and touches the orange rail with the barrel. A race also ends after 40 s, after 10 s without progress,
+    or when the driver's program ends. The table is sorted by score; the maximum is 100.
 
-    The exit status is 1 if a driver failed, and also if a race was not fair.
+    The exit status is 1 if a driver failed or a race was not fair.
     """
     from rich.console import Console
 
@@ -57,7 +57,7 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
         try:
             replay.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise TutorialError(f"the folder {replay} cannot be made: {error.strerror}.") from error
+            raise TutorialError(f"the folder {replay} cannot be created: {error.strerror}.") from error
     _check_pictures()  # before MuJoCo is imported here, which can fail, too
     project = _project(line)
     entries: list[Entry] = []
@@ -112,7 +112,7 @@ async def _race_all(
 
 
 def _project(line: Path) -> Project:
-    """Load the race that came with the tutorial, not a learner's copy, with this line."""
+    """Load the race project that came with the tutorial, not a learner's copy, and give it this line."""
     from tutorial import ros_backend
     from tutorial.program.project import Project
     from tutorial.system.paths import original
@@ -127,4 +127,4 @@ def _check_pictures() -> None:
 
     found = mujoco()
     if found.level != "ok":
-        raise TutorialError(f"a race needs the camera's pictures, and MuJoCo can't render: {found.text}. {found.fix}.")
+        raise TutorialError(f"a race needs the camera's pictures, but MuJoCo can't render: {found.text}. {found.fix}.")

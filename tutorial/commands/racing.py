@@ -1,4 +1,4 @@
-"""Runs one race: the simulation in this process, and a learner's node, the driver, in a process of its own."""
+"""Runs one race: the simulation in this process, and the driver, which is a learner's node, in a separate process."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ PRELUDE = (
 
 NO_START, DRIVER_ENDED = "no start", "driver ended"
 LOOK = 0.05  # [s] between checks of the driver
-MEET_FOR = 20.0  # [s] until a driver has to publish on /joy: imports are slow on a loaded machine
-SETTLED = 0.5  # [s] without a new subscription, after which the driver counts as complete
+MEET_FOR = 20.0  # [s] how long a driver can take to create its publisher; imports are slow on a loaded machine
+SETTLED = 0.5  # [s] how long the number of subscriptions has to stay the same before the race starts
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
 LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
@@ -61,9 +61,9 @@ class Entry:
     Attributes:
         driver: the driver's file.
         layout: the name of the line.
-        result: what the referee has seen.
-        note: what was wrong with the driver or the race; may be empty.
-        real_time: simulated time divided by real time: below 1, the machine was too slow for a fair race.
+        result: the referee's result.
+        note: what was wrong with the driver or the race; can be empty.
+        real_time: simulated time divided by real time; if it is below 1, the machine was too slow for a fair race.
     """
 
     driver: str
@@ -79,7 +79,7 @@ class Entry:
 
 
 class Driver:
-    """A driver's program, with everything that it starts.
+    """A driver's program, with all processes that it starts.
 
     Args:
         path: the Python file.
@@ -106,7 +106,7 @@ class Driver:
         return self._process.poll() is not None
 
     def how_it_ended(self) -> str:
-        """Describe the end of its program. After an error, quote the last line, which is the traceback's."""
+        """Describe how its program ended. After an error, quote the last line of the traceback."""
         self._reader.join(STOP_WITHIN)
         if not self._process.returncode:
             return "the driver's program has ended"
@@ -114,9 +114,9 @@ class Driver:
         return printable(last.strip()) or f"the driver's program has ended with status {self._process.returncode}"
 
     def close(self) -> None:
-        """Ask the program to stop, and kill what is left of it, even processes that have left its group.
+        """Ask the program to stop, and kill whatever is left of it, including processes that have left its group.
 
-        Outside a sandbox, a process survives if it has no parent and has also removed its mark.
+        Outside a sandbox, a process survives if its parent has exited and it has also removed its mark.
         """
         self._hear = lambda _: None  # Ctrl-C may make it print a traceback
         before = self._family()
@@ -153,7 +153,7 @@ class Driver:
 async def race(
     path: Path, project: Project, layout: str, html: Path | None, view: bool, loud: bool, is_sandboxed: bool
 ) -> Entry:
-    """Run one race in a ROS domain of its own, and stop everything that belongs to it.
+    """Run one race in a ROS domain of its own, then stop everything that belongs to it.
 
     Args:
         path: the driver's file.
@@ -161,16 +161,16 @@ async def race(
         layout: the name of the line.
         html: where to write a page that replays the race; None for no page.
         view: whether to serve a 3D view.
-        loud: whether to print the driver's output, on stderr.
+        loud: whether to print the driver's output on stderr.
         is_sandboxed: whether the driver runs in a sandbox.
 
     Raises:
-        TutorialError: the world does not fit the race, or a file cannot be written.
+        TutorialError: the world is not suitable for a race, or a file cannot be written.
     """
     before = fingerprint()
     async with AsyncExitStack() as stack:
         domain = stack.enter_context(reserved_domain(os.environ.get("ROS_DOMAIN_ID")))
-        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # the driver's, too
+        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # for the driver
         scene = Scene()
         host = await stack.enter_async_context(Host(project, None, View(scene) if view or html else None))
         if view:
@@ -186,13 +186,13 @@ async def race(
         assert isinstance(referee, Referee)
         note, real_time = await _run(host, referee, driver)
         if fingerprint() != before:
-            referee.race.disqualify("files of the tutorial have changed during the race")
+            referee.race.disqualify("files of the tutorial changed during the race")
         result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
         return Entry(path.name, layout, result, result.foul or note, real_time)
 
 
 async def _meet(host: Host, driver: Driver) -> str:
-    """Wait until a driver publishes on ``/joy``, and makes no more subscriptions; return why it doesn't, or ""."""
+    """Wait until a driver has a publisher on ``/joy`` and makes no more subscriptions. Return a problem, or ""."""
     deadline = time.monotonic() + MEET_FOR
     topic = host.node.resolve_topic_name("joy")
     while not host.node.count_publishers(topic):
@@ -210,7 +210,7 @@ async def _meet(host: Host, driver: Driver) -> str:
 
 
 async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float]:
-    """Run a race to its end. Return what ended it early, and simulated time divided by real time."""
+    """Run a race to its end. Return what ended it early, or "", and simulated time divided by real time."""
     simulation = host.simulation
     assert simulation is not None
     simulation.advance(simulation.time_step)  # in lockstep: it waits for the first picture, which also starts OpenGL

@@ -46,7 +46,7 @@ async def show_type(node: MeteredNode, service_name: str) -> None:
 @click.argument("values", default="{}")
 @query
 async def call(node: MeteredNode, service_name: str, service_type: str, values: str) -> None:
-    """Call a service. VALUES are the fields of the request in YAML: '{data: true}'.
+    """Call a service. VALUES are the fields of the request in YAML, such as '{data: true}'.
 
     As with ros2, the type can be abbreviated: std_srvs/SetBool.
     """
@@ -64,7 +64,7 @@ def param() -> None:
 @click.argument("node_name", required=False)
 @query
 async def list_parameters(node: MeteredNode, node_name: str | None) -> None:
-    """List the parameters of one node, or of all."""
+    """List the parameters of one node, or of all nodes."""
     from tutorial.ros.parameters import param_list
 
     print_text(await param_list(node, node_name))

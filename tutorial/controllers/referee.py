@@ -13,19 +13,19 @@ from tutorial.errors import TutorialError
 from tutorial.model.line_file import line_points
 from tutorial.race.rules import LIMIT, REACH, Race, Result
 
-CHECKS = 200  # [Hz] of the tank's position and contacts, in simulated time
-MESSAGES = 2  # [Hz] of the score, and of the count of publishers
-SHARED = ("/rosout", "/parameter_events")  # topics on which every node of a real ROS 2 publishes
+CHECKS = 200  # [Hz] how often to check the tank's position and contacts, in simulated time
+MESSAGES = 2  # [Hz] how often to publish the score and count the publishers
+SHARED = ("/rosout", "/parameter_events")  # topics that every node of a real ROS 2 publishes on
 
 
 class Referee(SimpleController):
-    """Judge a race of its body along the world's line, and publish the score as JSON.
+    """Judge a body's race along the line in the world, and publish the score as JSON.
 
-    A race is fair if one node alone publishes on ``joy``, nobody else publishes on a topic of the simulation, and only
-    the motors move the tank.
+    A race is fair if exactly one node publishes on ``joy``, no other node publishes on the simulation's topics, and
+    only the motors move the tank.
     """
 
-    limit = LIMIT  # [s] the longest race
+    limit = LIMIT  # [s] the longest duration of a race
     begun = False
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
@@ -34,7 +34,7 @@ class Referee(SimpleController):
         self.publisher = self.node.create_publisher(String, f"{self.body.name}/race", 10)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Find the line and the things that the tank can touch. If the simulation starts again, the race goes on."""
+        """Find the line and the things that the tank can touch. If the simulation restarts, the race continues."""
         if self.begun:
             return
         self.io, self.start = io, io.time
@@ -54,14 +54,14 @@ class Referee(SimpleController):
         self.begun = True
 
     def control(self) -> None:  # simulation thread, every step
-        """Check the tank, and publish the score, when they are due."""
+        """Check the tank, and publish the score, whenever that is due."""
         if self.race.over or self.io.step % self.steps_per_check:
             return
         touched, on_rail = self.contacts()
         self.race.update(self.io.time - self.start, tuple(self.io.body.position.tolist()), touched, on_rail)
         data = self.io.body.data
         if data.xfrc_applied.any() or data.qfrc_applied.any():
-            self.race.disqualify("a force that is not a motor's moves the tank")
+            self.race.disqualify("something other than its motors moves the tank")
         self.checks += 1
         if self.race.over or self.checks % self.checks_per_message == 0:
             self.count_publishers()
@@ -89,7 +89,7 @@ class Referee(SimpleController):
                 self.race.disqualify(f"{count} publishers on {topic}, not {expected}")
 
     def show(self, result: Result) -> None:  # main thread
-        """Write the state below the view."""
+        """Show the state in the line below the view."""
         self.body.note = str(result)
 
     def unconfigure(self) -> None:  # main thread
@@ -98,5 +98,5 @@ class Referee(SimpleController):
 
 
 def _geom_names(model: mujoco.MjModel) -> list[str]:
-    """Return a name for each geom that begins with its body's: its own or, without one, that of its MuJoCo body."""
+    """Return a name for each geom, with its body's name as a prefix: its own, or else that of its MuJoCo body."""
     return [model.geom(i).name or model.body(model.geom_bodyid[i]).name for i in range(model.ngeom)]

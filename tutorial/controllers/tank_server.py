@@ -35,15 +35,15 @@ class TankServer(TankController):
         self.motors_service = self.node.create_service(SetBool, f"{name}/set_motors", self.on_set_motors)
 
     def on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:  # executor's thread
-        """Have the tank put back, and answer when that is done."""
+        """Have the tank moved back, and respond when that is done."""
         return self.answer(response, self.reset)
 
     def on_set_motors(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        """Have the motors switched on or off, and answer when that is done."""
+        """Have the motors switched on or off, and respond when that is done."""
         return self.answer(response, self.set_motors, request.data)
 
     def answer(self, response: Any, function: Callable[..., str], *args: object) -> Any:  # executor's thread
-        """Have the simulation thread call a function, and report in the response what it did, or why it cannot."""
+        """Have the simulation thread call a function, and report in the response what it did, or why it did not."""
         try:
             response.message = self.ask(function, *args)
             response.success = True
@@ -52,7 +52,7 @@ class TankServer(TankController):
         return response
 
     def check_gains(self, parameters: Sequence[Parameter]) -> SetParametersResult:  # executor's thread
-        """Refuse gains with which turret and barrel would swing. ROS 2 itself checks that each is in its range."""
+        """Reject gains that would let turret and barrel oscillate. ROS 2 itself checks the range of each gain."""
         p_gain, d_gain = self.tuned(parameters).values()
         least = sqrt(2.0 * INERTIA * p_gain)  # the damping ratio is then 0.7
         if d_gain < least:
@@ -65,25 +65,25 @@ class TankServer(TankController):
         self.gains.put(self.tuned(parameters))
 
     def tuned(self, parameters: Sequence[Parameter]) -> dict[str, float]:
-        """Return all gains, with those that are being set. The list can also contain other parameters."""
+        """Return all gains, updated with those that are being set. The list can also contain other parameters."""
         new = {parameter.name: parameter.value for parameter in parameters}
         return {name: new.get(name, value) for name, value in self.gains.get().items()}
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Look up the tracks and the joints, as in step 1; but the joints use the newest gains."""
+        """Look up the tracks and the joints, as in step 1, but let the joints use the newest gains."""
         super().initialize(io)
         self.io = io
         self.turret = TunedJoint(io.body.joint("TURRET_Y"), io.time_step, self.gains)
         self.barrel = TunedJoint(io.body.joint("TURRET_P"), io.time_step, self.gains)
 
     def control(self) -> None:  # simulation thread, every step
-        """Do as in step 1, unless the motors are off."""
+        """Drive as in step 1, unless the motors are off."""
         super().control()
         if not self.motors_on:
             self.track_l.ctrl = self.track_r.ctrl = self.turret.joint.effort = self.barrel.joint.effort = 0.0
 
     def reset(self) -> str:  # simulation thread, between two steps
-        """Put the tank back to its start, and aim where its joints are then."""
+        """Move the tank back to its start, and hold its joints where they are then."""
         self.io.body.reset()
         self.initialize(self.io)
         return f"{self.io.body.name} is back at its start"
@@ -105,22 +105,22 @@ class TankServer(TankController):
 
 
 class TunedJoint(AimedJoint):
-    """An aimed joint whose gains may change at every step."""
+    """An aimed joint whose gains can change at every step."""
 
     def __init__(self, joint: Joint, time_step: float, gains: Latest[dict[str, float]]) -> None:
         super().__init__(joint, time_step)
         self.gains = gains
 
     def aim(self, stick: float) -> None:
-        """Move the reference as in step 1, and set the torque with the newest gains."""
+        """Move the reference as in step 1, and compute the torque from the newest gains."""
         q_ref, q_prev = self.q_ref, self.q_prev
-        super().aim(stick)  # keeps the new values
+        super().aim(stick)  # updates both
         p_gain, d_gain = self.gains.get().values()
         dq_ref, dq = (self.q_ref - q_ref) / self.time_step, (self.q_prev - q_prev) / self.time_step
         self.joint.effort = p_gain * (self.q_ref - self.q_prev) + d_gain * (dq_ref - dq)
 
 
 def gain(description: str, largest: float) -> ParameterDescriptor:
-    """Describe a gain, which is between 0 and a largest value."""
+    """Describe a gain that is between 0 and a maximum."""
     limits = FloatingPointRange(from_value=0.0, to_value=largest)
     return ParameterDescriptor(description=description, floating_point_range=[limits])

@@ -1,4 +1,4 @@
-"""Reads a line on the laboratory's floor, a YAML file of points, as a model that is seen but touches nothing."""
+"""Reads a YAML file of points as a model: a line on the laboratory's floor, which is visible but touches nothing."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -14,8 +14,8 @@ from tutorial.model.yamlfile import YamlFile
 
 SUFFIX = ".yaml"
 FLOOR = (3.0, 2.5)  # [m] from the middle of the laboratory to its walls, along x and y
-SPACING = 0.1  # [m] between neighbouring points of the curve, at most
-HEIGHT = 0.006  # [m] above the floor: higher than the pad on which the tank starts
+SPACING = 0.1  # [m] between neighbouring points of the curve, approximately
+HEIGHT = 0.006  # [m] above the floor: higher than the pad that the tank starts on
 YELLOW = (1.0, 0.8, 0.0, 1.0)
 VISUAL, HIDDEN = 1, 4  # MuJoCo's groups
 SITE = "LINE_POINT_"
@@ -31,15 +31,15 @@ class _LineFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_line(path: Path) -> mujoco.MjSpec | None:
-    """Read a line. It is a smooth curve through the file's points, and may cross itself.
+    """Read a line. It is a smooth curve through the file's points, and can cross itself.
 
     Returns:
         The model: a yellow box for each piece of the curve, and a hidden site for each end of a piece; None if the
         file's name does not end in ``.yaml``.
 
     Raises:
-        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error gives
-            the line and the fix.
+        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error names
+            the line of the file, and the fix.
     """
     if path.suffix != SUFFIX:
         return None
@@ -78,7 +78,7 @@ def line_points(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float6
 
 
 def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
-    """Return points on the curve, shape (n, 2): cubic Hermite splines, whose slopes come from the neighbours."""
+    """Return points on the curve, shape (n, 2): cubic Hermite splines, whose slopes follow from the neighbours."""
     corners = np.array(file.data.points)
     chords = np.hypot(*np.diff(corners, axis=0).T)
     for repeated in np.flatnonzero(chords < 1e-6):

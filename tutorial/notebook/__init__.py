@@ -4,12 +4,15 @@ Opening something closes its predecessor with the same name, so any cell can be 
 everything. Call these functions on the kernel's main thread.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from ipywidgets import Widget
+from rclpy.executors import Executor, SingleThreadedExecutor
 
 from tutorial.checks.catalogue import exercise_names
 from tutorial.checks.progress import Overview
+from tutorial.errors import TutorialError
 from tutorial.notebook.bag_tools import bag_play
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, keep, log, until
@@ -26,6 +29,7 @@ from tutorial.notebook.service_tools import (
     service_list,
 )
 from tutorial.notebook.topic_tools import node_list, topic_echo, topic_hz, topic_info, topic_list, why
+from tutorial.notebook.widgets.callback_lanes import callback_lanes
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.column import Column
 from tutorial.notebook.widgets.image_view import ImageView
@@ -36,15 +40,19 @@ from tutorial.notebook.widgets.node_graph import NodeGraph
 from tutorial.notebook.widgets.side_by_side import SideBySide
 from tutorial.notebook.widgets.swimlane import swimlane
 from tutorial.program.project import Project
-from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.ros.node_thread import MeteredNode, NodeThread, SpinThread
+from tutorial.ros.watched_node import WatchedNode
 from tutorial.system.paths import find_project
+from tutorial.system.printing import print_text
 
 __all__ = [
     "Command",
     "Program",
     "bag_play",
+    "callback_lanes",
     "chaos_panel",
     "close_all",
+    "end_deadlock",
     "image_view",
     "joint_plot",
     "joystick",
@@ -54,6 +62,7 @@ __all__ = [
     "node_list",
     "open_node",
     "open_program",
+    "open_watched_node",
     "param_describe",
     "param_dump",
     "param_get",
@@ -99,6 +108,35 @@ def open_node(name: str) -> MeteredNode:
         name: the node's name.
     """
     return keep(f"node {name}", lambda: NodeThread(name), NodeThread.close).node
+
+
+def open_watched_node(name: str, executor: Callable[..., Executor] = SingleThreadedExecutor) -> WatchedNode:
+    """Make a node like `open_node`, and record when its callbacks run and wait, for `callback_lanes`.
+
+    Args:
+        name: the node's name.
+        executor: the class of the executor that runs the callbacks.
+    """
+    return keep(f"node {name}", lambda: SpinThread(WatchedNode, name, executor=executor), _close_watched).node
+
+
+async def end_deadlock(node: WatchedNode) -> None:
+    """Wait until a callback of a node waits for itself; print how, and end the wait with a `DeadlockError`. Idempotent.
+
+    Raises:
+        TutorialError: no callback did so for 30 s.
+    """
+    await until(lambda: node.deadlocks() or node.ended, "a deadlock")
+    node.end_deadlocks()
+    print_text("".join(f"{text}\n" for text in node.ended))
+    thread = next(each for each in SpinThread.alive if each.node is node)
+    with suppress(TutorialError):  # an executor with several threads reports an exception with the next callback
+        await until(lambda: thread.error, timeout=1.0)
+
+
+def _close_watched(thread: SpinThread[WatchedNode]) -> None:
+    thread.node.end_deadlocks()  # or its thread could never end
+    thread.close()
 
 
 def start_command(line: str) -> Command:

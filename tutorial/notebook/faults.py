@@ -1,4 +1,4 @@
-"""Programs that are broken on purpose: each publishes joint states, and a viewer shows none of them."""
+"""The programs of step 9, broken on purpose: each should publish joint states to a viewer, which shows none of them."""
 
 import shlex
 import sys
@@ -14,17 +14,17 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.system.paths import HOME
 
-NAME = "fault"  # of the running program in the registry: there is one at a time
+NAME = "fault"  # of the running program in the registry; only one runs at a time
 
 
 async def start_fault(number: int, source: str | None = None) -> Command:
-    """Start a broken program in a separate process, and wait until it is visible. The previous one is stopped first.
+    """Start a broken program in a separate process, after stopping the previous one; wait until it is visible.
 
     A program in a different domain never becomes visible, so the wait is short.
 
     Args:
         number: which one, from 1. Its source is ``faults/tankN.py`` in the notebooks' folder.
-        source: source to run instead, such as the program's own after a repair.
+        source: source code to run instead, such as a repaired version.
 
     Raises:
         TutorialError: there is no program with this number, or it failed.
@@ -45,6 +45,6 @@ def stop_fault() -> None:
 
 
 def _publishes(node: Node, name: str) -> bool:
-    """Return whether a node sees the publisher of joint states of the node with this name."""
+    """Return whether a node has discovered that the node with this name publishes joint states."""
     topics = (topic for topic in topics_with_types(node) if topic.endswith("/joint_state"))
     return any(info.node_name == name for topic in topics for info in publishers_on(node, topic))

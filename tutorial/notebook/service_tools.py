@@ -1,4 +1,4 @@
-"""``ros2 service`` and ``ros2 param`` for a cell, with the same output. They need a real ROS 2."""
+"""``ros2 service`` and ``ros2 param`` as functions for cells, with the same output. They need a real ROS 2."""
 
 from tutorial.notebook.topic_tools import TIMEOUT, asker
 from tutorial.ros import parameters, services
@@ -9,7 +9,7 @@ async def service_list(show_types: bool = False) -> None:
     """Print the services, as ``ros2 service list`` does.
 
     Args:
-        show_types: print their types, too, as with ``-t``.
+        show_types: whether to print their types, too, as ``-t`` does.
     """
     print_text(await services.service_list(asker(), show_types))
 
@@ -23,7 +23,7 @@ async def service_call(service: str, type_name: str, values: str = "{}") -> None
         values: the fields of the request in YAML, such as ``"{data: true}"``.
 
     Raises:
-        TutorialError: the type or a value is invalid, or there is no response for 10 s.
+        TutorialError: the type or a value is invalid, or the service does not respond within 10 s.
     """
     await print_texts(services.service_call(asker(), service, type_name, values, TIMEOUT))
 
@@ -32,10 +32,10 @@ async def param_list(node: str | None = None) -> None:
     """Print the parameters of a node, or of all nodes, as ``ros2 param list`` does.
 
     Args:
-        node: the node's name.
+        node: the node's name; None for all nodes.
 
     Raises:
-        TutorialError: there is no such node. All functions for parameters raise this.
+        TutorialError: there is no such node. All functions for parameters raise this error.
     """
     print_text(await parameters.param_list(asker(), node))
 
@@ -56,7 +56,7 @@ async def param_set(node: str, name: str, value: object) -> None:
     Args:
         node: the node's name.
         name: the parameter's name.
-        value: the value, or its text in YAML.
+        value: the value, or YAML text.
     """
     _, text = await parameters.param_set(asker(), node, name, str(value))
     print_text(text)
@@ -73,7 +73,7 @@ async def param_describe(node: str, *names: str) -> None:
 
 
 async def param_dump(node: str) -> None:
-    """Print all parameters of a node in YAML, as ``ros2 param dump`` does.
+    """Print all parameters of a node as YAML, as ``ros2 param dump`` does.
 
     Args:
         node: the node's name.

@@ -10,7 +10,6 @@ from types import ModuleType
 from tutorial import controllers
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, describe_error, did_you_mean
-from tutorial.ros.backend import real_ros_needed
 from tutorial.system.paths import is_file
 
 
@@ -34,6 +33,8 @@ def find_controller(name: str) -> type[SimpleController]:
         module = import_module(known[name])
     except Exception as error:
         if type(error).__name__ == "NeedsRealROSError":  # a real rclpy has no such exception to import
+            from tutorial.ros.backend import real_ros_needed  # noqa: PLC0415 - the page that drives lacks this module
+
             raise real_ros_needed(name) from error
         raise TutorialError(describe_error(error, file)) from error
     found = _classes_of(module)

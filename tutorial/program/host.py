@@ -193,7 +193,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.simulation.stop()
         finally:
             self._cameras.close()
-            with self._ros.paused():  # a callback whose request was refused first sends its response
+            with self._ros.paused():  # first, a callback whose request was refused can respond
                 for item in self._items.values():
                     item.close()
             self._calls.close()
@@ -256,7 +256,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
 
     def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Have the simulation's thread run a function. Controllers join their bodies before there is a simulation."""
+        """Have the simulation's thread run a function. Refuse until the simulation exists: controllers join earlier."""
         if self.simulation is None:
             raise RefusedError(NO_SIMULATION)
         return self.simulation.world.requests.ask(function, *args, timeout=timeout)

@@ -142,7 +142,7 @@ class Item:
         placement: the body's name and model.
         node: the node that its controllers use.
         calls: the main thread's queue of posted calls.
-        ask: has the simulation's thread run a function, see `ControllerConfig`.
+        ask: has the simulation's thread run a function (see `ControllerConfig`).
 
     Attributes:
         body: the displayed body.
@@ -212,7 +212,7 @@ class Item:
 
 
 def _until_closed(scope: CallScope, ask: Ask) -> Ask:
-    """Return a controller's `ask`: once its scope is closed, nothing that it has asked for is carried out."""
+    """Return a controller's `ask`. Once its scope is closed, all its requests are refused, even waiting ones."""
 
     def run(function: Callable[..., Any], *args: object) -> Any:
         if scope.closed:

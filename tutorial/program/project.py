@@ -128,7 +128,7 @@ class Project:
 
         Args:
             body: the body's name.
-            model: a file as for `Placement`.
+            model: the path of the model, as in `Placement`.
 
         Raises:
             TutorialError: there is no such body, or the model cannot be loaded.

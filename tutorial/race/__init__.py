@@ -1,1 +1,1 @@
-"""A race of a driver along a yellow line: its rules. The referee is `tutorial.controllers.referee`."""
+"""The rules of a race along a yellow line. The referee is `tutorial.controllers.referee`."""

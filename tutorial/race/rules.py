@@ -9,8 +9,8 @@ from typing import Any
 LIMIT = 40.0  # [s] the longest race
 REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
 SPACING = 0.01  # [m] between the points that count
-PATIENCE = 10.0  # [s] without progress, after which a race ends before the end of the line
-PAUSE = 0.5  # [s] without a touch, after which the next touch of the same thing counts again
+PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
+PAUSE = 0.5  # [s] how long a contact has to be interrupted before it counts again
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
 POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
@@ -25,11 +25,11 @@ class Result:
     """The result of a race, or its state so far.
 
     Attributes:
-        progress: the part of the line that the tank has followed, 0 to 1.
+        progress: the fraction of the line that the tank has followed, 0 to 1.
         seconds: the race's duration in simulated time [s].
-        contacts: how often the tank has touched something else than the floor and, with its barrel, the rail.
-        end: why the race has ended; empty while it lasts. It is `FINISHED` if the barrel has touched the rail after the
-            end of the line.
+        contacts: how often the tank has touched something, apart from the floor and, with its barrel, the rail.
+        end: why the race has ended; empty while it lasts. It is `FINISHED` if the barrel has touched the rail after
+            the tank reached the end of the line.
         foul: how the race was manipulated; empty if it was fair.
         limit: the longest duration [s].
     """
@@ -45,8 +45,9 @@ class Result:
     def score(self) -> float:
         """The score, 0 to 100 points.
 
-        The line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for the time:
-        20 * (1 - seconds / limit). Each contact costs 5 points, but no score is negative. After a foul the score is 0.
+        Following the line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for
+        the time: 20 * (1 - seconds / limit). Each contact costs 5 points, but the score is never negative. After a
+        foul it is 0.
         """
         if self.foul:
             return 0.0
@@ -60,7 +61,7 @@ class Result:
         return {"score": round(self.score, 2), **asdict(self)}
 
     def __str__(self) -> str:
-        """Return the state as a line below the view."""
+        """Return the state as the line below the view shows it."""
         contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
         state = f"{self.progress:.0%} of the line, {self.seconds:.1f} s, {contacts}, {self.score:.1f} points"
         return f"{self.foul or self.end}: {state}" if self.end else state
@@ -69,8 +70,9 @@ class Result:
 class Race:
     """One race, in simulated time. It belongs to the thread that steps the simulation.
 
-    A point of the line counts when the tank's middle has come near it, after all points before it. So the progress
-    never shrinks, and no shortcut helps, not even where the line crosses itself. It is 0 until the tank moves.
+    A point of the line counts once the tank's middle has come near all points before it, in order, and then near this
+    one. So progress never decreases, and shortcuts don't help, even where the line crosses itself. Progress is 0 until
+    the tank moves.
 
     Args:
         line: the points of the line [m], from its start to its end.
@@ -83,7 +85,7 @@ class Race:
     def __init__(self, line: Iterable[Point], limit: float = LIMIT) -> None:
         self._points = _subdivided(line)
         self._next = 0  # index of the first point that does not count yet
-        self._first: int | None = None  # its value at the start
+        self._first: int | None = None  # the value of _next at the start
         self._advanced_at = 0.0
         self._touched_at: dict[str, float] = {}
         self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
@@ -124,11 +126,11 @@ class Race:
         return bool(self.result.end)
 
     def disqualify(self, foul: str) -> None:
-        """End the race without points, or take the points away if it is over. The first foul is reported."""
+        """End the race without points; if it is already over, take its points away. Only the first foul is reported."""
         self.result = replace(self.result, end=FOUL, foul=self.result.foul or foul)
 
     def _jump(self, seconds: float, position: tuple[float, ...]) -> str:
-        """Return a foul if the tank has moved faster than it can."""
+        """Return a foul if the tank has moved faster than it can drive."""
         before, self._before = self._before, (seconds, position)
         if before is None:
             return ""

@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 
 from tutorial.errors import where
@@ -174,6 +174,7 @@ class SpinThread(Generic[AnyNode]):
         node_class: the node's class.
         name: the node's name, unless it is remapped.
         args: command line arguments; ROS 2 uses the ones after ``--ros-args``.
+        executor: the class of the executor.
 
     Attributes:
         node: the node.
@@ -190,7 +191,13 @@ class SpinThread(Generic[AnyNode]):
     error: BaseException | None = None
     timeout: float | None = 3.0
 
-    def __init__(self, node_class: Callable[..., AnyNode], name: str, args: Sequence[str] | None = None) -> None:
+    def __init__(
+        self,
+        node_class: Callable[..., AnyNode],
+        name: str,
+        args: Sequence[str] | None = None,
+        executor: Callable[..., Executor] = SingleThreadedExecutor,
+    ) -> None:
         require_loopback()
         self._context = Context()
         rclpy.init(args=list(args or ()), context=self._context)
@@ -198,7 +205,7 @@ class SpinThread(Generic[AnyNode]):
             self.node = node_class(name, context=self._context)
             self._name = self.node.get_name()  # the program may destroy its node later
             self.full_name = self.node.get_fully_qualified_name()
-            self._executor = SingleThreadedExecutor(context=self._context)
+            self._executor = executor(context=self._context)
             self._executor.add_node(self.node)
         except BaseException:
             self._context.try_shutdown()
@@ -252,6 +259,9 @@ class SpinThread(Generic[AnyNode]):
 
     def _leave(self) -> None:
         self._thread.join()
+        running, pool = (getattr(self._executor, name, None) for name in ("_work_tracker", "_executor"))
+        if pool is not None and running is not None and running.wait(self.timeout):
+            pool.shutdown()  # Jazzy's MultiThreadedExecutor does not wait for its threads
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()

@@ -4,6 +4,7 @@ The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThrea
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
@@ -19,7 +20,8 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import node_names
 from tutorial.ros.topics.names import escape_name
 
-PATIENCE = 5.0  # [s] how long a node's services can take to appear, as in ros2
+PATIENCE = 5.0  # [s] how long a node's services can take to appear, as in ros2, and how long each response can take
+TRIES = 3  # requests until a node counts as one that does not respond
 
 NAMES = (
     *("not set", "boolean", "integer", "double", "string"),
@@ -161,7 +163,7 @@ async def _ask(node: Node, target: str, name: str, **fields: Any) -> Any:
         fields: the fields of the request.
 
     Raises:
-        TutorialError: the node does not offer the service.
+        TutorialError: the node does not offer the service, or does not respond.
     """
     kind = "".join(map(str.capitalize, name.split("_")))
     service = getattr(import_module("rcl_interfaces.srv"), kind)  # not at the top: the pocket ROS 2 lacks it
@@ -169,7 +171,10 @@ async def _ask(node: Node, target: str, name: str, **fields: Any) -> Any:
         if not await is_ready(made, PATIENCE):
             text = "Wait for service timed out waiting for parameter services for node"
             raise TutorialError(f"{text} {escape_name(target)}")
-        return await response_to(made, service.Request(**fields))
+        for _ in range(TRIES - 1):  # on a busy machine, ROS 2 can lose the response to a new client
+            with suppress(TutorialError):
+                return await response_to(made, service.Request(**fields), PATIENCE)
+        return await response_to(made, service.Request(**fields), PATIENCE)
 
 
 async def _names(node: Node, target: str) -> list[str]:

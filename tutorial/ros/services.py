@@ -19,6 +19,7 @@ from tutorial.ros.topics.names import escape_name, is_hidden, service_class
 from tutorial.ros.topics.populate import populated_request
 
 LOOK_EVERY = 0.02  # [s] between checks for a service or a response
+SETTLE = 0.2  # [s] after which a service usually knows its new client, even on a busy machine
 
 
 def services_with_types(node: Node) -> dict[str, list[str]]:
@@ -114,8 +115,16 @@ def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
 
 
 async def is_ready(made: Any, timeout: float) -> bool:
-    """Wait until a client has found its service. Return False on timeout [s]."""
-    return await _until(made.service_is_ready, timeout)
+    """Wait until a client has found its service, and give the service time to find the client.
+
+    A service cannot respond to a client that it does not know yet, and ROS 2 does not repeat the response.
+
+    Returns:
+        False on timeout [s].
+    """
+    found = await _until(made.service_is_ready, timeout)
+    await asyncio.sleep(SETTLE if found else 0.0)
+    return found
 
 
 async def response_to(made: Any, request: Any, timeout: float = inf) -> Any:

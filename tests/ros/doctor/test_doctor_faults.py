@@ -128,7 +128,7 @@ def clock_stands(graph: Graph) -> str:
 
 
 def blocked(graph: Graph) -> str:
-    """Block the publishing timer by a callback that does not return."""
+    """Block the publishing timer with a callback that does not return."""
     graph.publish(make=lambda _: JointState(name=[str(graph.ended.wait(60))]))
     return TOPIC
 

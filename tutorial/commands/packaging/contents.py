@@ -111,7 +111,7 @@ _EXAMPLES = {
     "listener": "A node that listens to the tank's joint states, and logs the positions once a second.",
     "server": "A node that listens to the tank's joint states, and offers a service that returns the positions.",
 }
-"""The descriptions of the examples, by their modules."""
+"""The descriptions of the examples, by module."""
 
 
 def _controller(file: Path, only: str | None) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Answer why no messages of a topic arrive, even if ROS 2 cannot be used at all."""
+"""Find out why no messages arrive on a topic, even if ROS 2 cannot be used at all."""
 
 # ruff: noqa: PLC0415 - rclpy may not be importable, which is one of the answers
 

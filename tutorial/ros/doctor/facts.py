@@ -1,4 +1,4 @@
-"""The facts that the doctor's rules use to tell why no messages arrive."""
+"""The facts from which the doctor's rules infer why no messages arrive."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def participants(domain: int) -> int:
 
 
 def domains_in_use(domains: Iterable[int]) -> list[int]:
-    """Return those of the domains that programs on this machine use; all of them if the system does not say."""
+    """Return only the domains that programs on this machine use; if that is unknown, return all of them."""
     ports = _udp_ports()
     return [each for each in domains if ports is None or any((port - FIRST_PORT) // PORTS == each for port in ports)]
 
@@ -52,7 +52,7 @@ def programs() -> list[Program]:
     """Return the other programs of this user that have network connections; only on Linux."""
     try:
         sockets = psutil.net_connections("inet")
-    except (psutil.Error, OSError):  # on macOS, only root may list them
+    except (psutil.Error, OSError):  # on macOS, only root can list them
         return []
     domains: dict[int, list[int]] = {each.pid: [] for each in sockets if each.pid not in (None, os.getpid())}
     for each in sockets:

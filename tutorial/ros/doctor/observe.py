@@ -60,8 +60,8 @@ async def observe(
     Args:
         node: the node that subscribes; it must be spinning on another thread.
         topic: the topic's full name.
-        joints: for joint states, the names of the joints that the viewer has; None for those of the tank on its own
-            topic, and on others for those of the first message.
+        joints: for joint states, the names of the joints that the viewer has; None for the tank's joints on the tank's
+            own topic, and for the joints in the first message on any other topic.
         domains: the other domains to search if nobody publishes the topic.
     """
     began = time.monotonic()
@@ -97,7 +97,7 @@ class _Ear:
         kind: the name of the message type.
         arrivals: the time of each message that was published since then [s].
         kept: the number of messages that had been published before.
-        payloads: the newest joint states.
+        payloads: the first joint states, at most `MATCHED`.
     """
 
     def __init__(self, node: Node, topic: str, kind: str) -> None:
@@ -140,7 +140,7 @@ class _Ear:
 class _Elsewhere(ExitStack):
     """Searches other domains for publishers of a topic, on the same middleware and in the same range.
 
-    On this machine alone, only those domains are joined whose ports are in use. Its exit leaves all of them.
+    In the range LOCALHOST, it joins only domains whose ports are in use. At the end of the context, it leaves them all.
     """
 
     def __init__(self, topic: str, domains: list[int]) -> None:
@@ -169,7 +169,7 @@ class _Elsewhere(ExitStack):
 
 
 def _endpoints(node: Node, topic: str) -> tuple[tuple[Endpoint, ...], tuple[Endpoint, ...]]:
-    """Return the topic's publishers and subscriptions, with the node's own."""
+    """Return the topic's publishers and subscriptions, including the node's own."""
     # A real rclpy lists no endpoints as long as any name is not valid UTF-8.
     with suppress(RuntimeError, UnicodeDecodeError):
         publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)

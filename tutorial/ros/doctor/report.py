@@ -1,4 +1,4 @@
-"""Write what the doctor found as text."""
+"""Write the doctor's findings as text."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ WIDTH = 100  # columns
 
 
 def report(facts: Facts) -> str:
-    """Write the answer to the question why no messages of a topic arrive.
+    """Explain why no messages arrive on a topic.
 
     Returns:
-        Lines: what is on the topic, and either that all is well or the likely causes, the most likely first.
+        Lines: the topic's publishers and subscriptions, and either that all is well or the likely causes, the most
+            likely one first.
     """
     causes = diagnose(facts)
     if not causes:
@@ -26,7 +27,7 @@ def report(facts: Facts) -> str:
 
 
 def _summary(facts: Facts) -> str:
-    """Return the line about who publishes and subscribes."""
+    """Return the line that names the publishers and subscriptions."""
     publishers, subscriptions = _nodes("publisher", facts.publishers), _nodes("subscription", facts.subscriptions)
     return f"{escape_name(facts.topic)} in domain {facts.domain}: {publishers}, {subscriptions}."
 

@@ -406,7 +406,7 @@ RULES: dict[str, Rule] = {
         "the deadlines are incompatible",
         _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
         "A subscription with a deadline refuses a publisher that does not promise to publish that often.",
-        "Give the subscription a longer deadline or none, or give the publisher a deadline that is short enough.",
+        "Remove or lengthen the subscription's deadline, or give the publisher a deadline that is short enough.",
     ),
     "liveliness": Rule(
         "the liveliness settings are incompatible",

@@ -1,0 +1,99 @@
+"""The exercise `tune`: right answers in various styles, and wrong ones."""
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+
+from tutorial.checks.tune import TrackLimits, tune
+
+from . import edited
+
+NEW = "new.update({each.name: each.value for each in parameters if each.name in new})"
+REASON = 'reason=f"together {total:g} m/s, which is above 2.5"'
+DECLARE = "self.node.declare_parameter(name, value, descriptor)"
+
+
+EACH = (
+    "total = max(each.value + dict(zip(('turn', 'speed'), self.limits())).get(each.name, 0.0) for each in parameters)"
+)
+
+
+class OneByOne(TrackLimits):
+    def configure(self, config):
+        self.node = config.node
+        for name, value in {"speed": 1.0, "turn": 0.5}.items():
+            descriptor = ParameterDescriptor(description=name)
+            descriptor.floating_point_range.append(FloatingPointRange(from_value=0.0, to_value=2.0))
+            self.node.declare_parameter(name, value=value, descriptor=descriptor)
+        self.node.add_on_set_parameters_callback(self.check)
+
+
+class Keeps(TrackLimits):
+    """Keep the limits, and change them when they are accepted."""
+
+    def configure(self, config):
+        super().configure(config)
+        self.now = {"speed": 1.0, "turn": 0.5}
+        self.node.add_post_set_parameters_callback(self.use)
+
+    def use(self, parameters):
+        self.now.update({each.name: each.value for each in parameters if each.name in self.now})
+
+    def limits(self):
+        return tuple(self.now.values())
+
+    def unconfigure(self):
+        self.node.remove_post_set_parameters_callback(self.use)
+        super().unconfigure()
+
+
+class Loops(TrackLimits):
+    def check(self, parameters):
+        speed, turn = self.limits()
+        for parameter in parameters:
+            if parameter.name == "speed":
+                speed = parameter.value
+            elif parameter.name == "turn":
+                turn = parameter.value
+        fits = speed + turn <= 2.5
+        return SetParametersResult(successful=fits, reason="" if fits else f"{speed + turn} is too much")
+
+
+class TogetherDeclared(TrackLimits):
+    def configure(self, config):
+        self.node = config.node
+        described = ParameterDescriptor(
+            description="limit", floating_point_range=[FloatingPointRange(from_value=0.0, to_value=2.0)]
+        )
+        self.node.declare_parameters("", [("speed", 1.0, described), ("turn", 0.5, described)])
+        self.node.add_on_set_parameters_callback(self.check)
+
+
+RIGHT = [OneByOne, Keeps, Loops, TogetherDeclared]
+
+WRONG = [
+    (edited(tune, (NEW, "pass")), "Add the new turn and the current speed"),
+    (edited(tune, ('dict(zip(("speed", "turn"), self.limits()))', '{"speed": 0.0, "turn": 0.0}')), "current speed"),
+    (edited(tune, ('dict(zip(("speed", "turn"), self.limits()))', '{"speed": 1.0, "turn": 0.5}')), "the current speed"),
+    (
+        edited(tune, (" if each.name in new", ""), ('new["speed"] + new["turn"]', "sum(new.values())")),
+        "Leave the others",
+    ),
+    (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "You probably use only the new values"),
+    (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
+    (edited(tune, (f", {REASON}", "")), "give no reason with the sum"),
+    (
+        edited(tune, ("return SetParametersResult(successful=True)", "return True")),
+        "don't return a SetParametersResult",
+    ),
+    (edited(tune, ("return SetParametersResult(successful=True)", "pass")), "don't return a SetParametersResult"),
+    (edited(tune, ("self.node.add_on_set_parameters_callback(self.check)", "pass")), "remove the callback"),
+    (edited(tune, (DECLARE, "self.node.declare_parameter(name, value)")), "a description and a range"),
+    (edited(tune, ('("turn", 0.5)', '("turn", 1)')), "a description and a range"),
+    (edited(tune, ("to_value=2.0", "to_value=5.0")), "a description and a range"),
+    (edited(tune, ('self.node.undeclare_parameter("turn")', "pass")), "undeclare both parameters"),
+    (edited(tune, ("self.node.remove_on_set_parameters_callback(self.check)", "pass")), "remove the callback"),
+    (
+        edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")),
+        "or test each parameter by itself",
+    ),
+    (edited(tune, ("> 2.5", ">= 2.5")), "You probably refuse 2.5 itself"),
+]

@@ -1,0 +1,148 @@
+"""The exercise `answer`: a request that the simulation's thread carries out, and its answer.
+
+Write the controller `AngleServer`. It offers the service `angle` of its body (type `Trigger`), which for the body
+`Tank` is `/Tank/angle`. The response says where the joint `TURRET_Y` of the simulated body is.
+
+- The simulated body belongs to the simulation's thread. During a step, its joints hold intermediate values, so only
+  this thread may read it, between two steps: use `config.ask`.
+- The message is the angle with two decimals, such as `0.25 rad`, and `success` is True.
+- If the angle cannot be read within 0.5 s, `success` is False, and the message is the text of the `RefusedError`. So
+  no client waits much longer than that.
+- It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys the service.
+
+Hint 1: Look at the three threads: configure runs on the main thread, the callback on the executor's thread, and the
+joint belongs to the simulation's thread. Which method gives you the simulated body, and on which thread does it run?
+
+Hint 2: Keep config.ask in configure, and the joint in initialize. Write a method that returns the text, and have the
+callback ask for it, with a timeout. A refusal is an exception.
+
+Hint 3: In the callback, try response.message = self.ask(self.read, timeout=0.5), then set response.success = True.
+Except for RefusedError as refusal, response.message = str(refusal). Return the response in both cases.
+
+Notice that the callback waits, which a callback should not: but only for another thread, and never for long.
+"""
+
+import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+from std_srvs.srv import Trigger
+
+from tutorial.checks.engine.bench import Bench
+from tutorial.checks.engine.cases import Case, Cases, Run
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.errors import RefusedError
+
+STEP = 0.02  # [s]
+LONG_STEP = 1.2  # [s]
+ENOUGH = 1.0  # [s] within which a request has to be answered
+
+
+class AngleServer(SimpleController):
+    """Say where the turret is."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Create the service, which is named after the body."""
+        self.node = config.node
+        self.ask = config.ask
+        self.service = self.node.create_service(Trigger, f"{config.body.name}/angle", self.on_angle)
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Look up the joint."""
+        self.joint = io.body.joint("TURRET_Y")
+
+    def on_angle(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Have the simulation's thread read the angle."""
+        try:
+            response.message = self.ask(self.read, timeout=0.5)
+            response.success = True
+        except RefusedError as refusal:
+            response.message = str(refusal)
+        return response
+
+    def read(self) -> str:
+        """Return the angle as text."""
+        return f"{self.joint.position:.2f} rad"
+
+    def unconfigure(self) -> None:
+        """Stop answering."""
+        self.node.destroy_service(self.service)
+
+
+@contextmanager
+def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
+    """Simulate steps on a thread. Only between two steps does the turret have this angle [rad]."""
+    done = threading.Event()
+
+    def run() -> None:
+        bench.do("initialize", ControllerIO(bench.body, 0.001))
+        while not done.is_set():
+            bench.body.set_joint_positions({"TURRET_Y": 9.99})
+            done.wait(step)
+            bench.body.set_joint_positions({"TURRET_Y": angle})
+            bench.requests.run_waiting()
+
+    thread = threading.Thread(target=run, name="simulation")
+    bench.requests.open(thread)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        bench.requests.close()
+        thread.join()
+
+
+def read(name: str, *angles: float) -> Run:
+    """Observe the responses in a simulation of a body, whose turret has one angle after another."""
+
+    def case(trial: Trial) -> str:
+        said = []
+        with closing(Bench(trial, name)) as bench:
+            for angle in angles:
+                with simulated(bench, angle):
+                    said += [bench.ask(f"/{name}/angle") for _ in range(3)]
+        return ", ".join(dict.fromkeys(said))
+
+    return case
+
+
+def refused(trial: Trial) -> str:
+    """Observe the response without a simulation, and what is left behind."""
+    with closing(Bench(trial)) as bench:
+        return bench.ask("/Tank/angle")
+
+
+def late(trial: Trial) -> str:
+    """Observe the response while a step takes too long."""
+    with closing(Bench(trial)) as bench, simulated(bench, 0.5, LONG_STEP):
+        said = bench.ask("/Tank/angle")
+        is_refused = said.startswith("no: the simulation") and bench.took < ENOUGH
+        return "refused in time" if is_refused else f"after {bench.took:.1f} s, {said}"
+
+
+def left(trial: Trial) -> str:
+    """Observe what is left after the controller has left the body."""
+    with closing(Bench(trial)) as bench:
+        return bench.leave()
+
+
+WHERE = (
+    "You probably read the joint on the executor's thread, in the middle of a step, or read it only once. "
+    "Have the simulation's thread read it for each request: self.ask(self.read, timeout=0.5)."
+)
+HOW = "Hand the request over, and wait for the answer: self.ask(self.read, timeout=0.5)."
+CASES = [
+    Case("in a simulation, the turret at 0.25 rad", read("Tank", 0.25), WHERE, crashes=True),
+    Case("on the body Rover, in two simulations", read("Rover", -0.5, 1.0), WHERE),
+    Case("without a simulation", refused,
+         "You probably report success, or a text of your own. If ask raises a RefusedError, the message is its text, "
+         "and success is False.", crashes=True),
+    Case("while a step takes 1.2 s", late,
+         "You probably leave out the timeout. Write self.ask(self.read, timeout=0.5)."),
+    Case("after unconfigure", left,
+         "You probably leave the service behind. In unconfigure: self.node.destroy_service(self.service)."),
+]  # fmt: skip
+answer = Exercise("answer", __doc__, Cases(AngleServer, CASES, [], HOW, one_by_one=True))

@@ -1,0 +1,96 @@
+"""The exercise `ask`: ask two questions in a callback, and never wait for yourself.
+
+Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it asks
+`/open_door`, and then `/go_home` (both `Trigger`), which other programs offer.
+
+- If both succeed, it returns the response of `/go_home`.
+- If the door does not open, it does not ask `/go_home`, and returns the response of `/open_door`.
+- All callbacks of the program's node run on one thread. This thread must not wait for a response.
+- Create the clients in `configure`. In `unconfigure`, when the controller leaves the body, the node destroys the
+  service and the clients.
+
+Hint 1: Look at what the executor's thread does while a response is on its way. It has to be free to receive it. And
+which callback group does the response need?
+
+Hint 2: Make the callback a coroutine, async def, and await the futures of call_async. Give the two clients a callback
+group of their own, because the waiting callback occupies its group.
+
+Hint 3: In configure, group = MutuallyExclusiveCallbackGroup(), and create_client(..., callback_group=group) for both.
+In the callback, opened = await self.open_door.call_async(Trigger.Request()), and return opened if not opened.success.
+Otherwise return what await self.go_home.call_async(Trigger.Request()) gives you.
+
+Notice that the callback reads like a list of steps, and that no second thread is needed.
+"""
+
+from contextlib import closing
+
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from std_srvs.srv import Trigger
+
+from tutorial.checks.engine.bench import UNANSWERED, Bench
+from tutorial.checks.engine.cases import Case, Cases, Run
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, SimpleController
+
+
+class PitCrew(SimpleController):
+    """Answer requests for a pit stop, which takes two requests to other programs."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Create the clients and the service."""
+        self.node = config.node
+        group = MutuallyExclusiveCallbackGroup()
+        self.open_door = self.node.create_client(Trigger, "/open_door", callback_group=group)
+        self.go_home = self.node.create_client(Trigger, "/go_home", callback_group=group)
+        self.service = self.node.create_service(Trigger, "/pit_stop", self.on_pit_stop)
+
+    async def on_pit_stop(self, _request: Trigger.Request, _response: Trigger.Response) -> Trigger.Response:
+        """Open the door, and have the tank go home."""
+        opened = await self.open_door.call_async(Trigger.Request())
+        if not opened.success:
+            return opened
+        return await self.go_home.call_async(Trigger.Request())
+
+    def unconfigure(self) -> None:
+        """Stop answering and asking."""
+        self.node.destroy_service(self.service)
+        self.node.destroy_client(self.open_door)
+        self.node.destroy_client(self.go_home)
+
+
+def stops(*replies: tuple[str, str]) -> Run:
+    """Observe pit stops, given the replies of both services, after which the controller leaves the body."""
+
+    def case(trial: Trial) -> str:
+        said = []
+        for door, home in replies:
+            with closing(Bench(trial)) as bench:
+                bench.serve(open_door=door, go_home=home)
+                said += [f"{bench.ask('/pit_stop')} ({', '.join(bench.asked)})"]
+        return "; ".join(said)
+
+    return case
+
+
+def twice(trial: Trial) -> str:
+    """Observe two requests, one after another, and what is left behind."""
+    with closing(Bench(trial)) as bench:
+        bench.serve(open_door="open", go_home="home")
+        said = [bench.ask("/pit_stop") for _ in range(2)]
+        return f"{', then '.join(said)} ({', '.join(bench.asked)}); {bench.leave()}"
+
+
+CASES = [
+    Case("a pit stop", stops(("open", "home")),
+         "You probably return too early, ask in a different order, or return the wrong response. "
+         "Await the response of /open_door, then that of /go_home, and return the latter."),
+    Case("a door that stays closed", stops(("no key", "home")),
+         "You probably don't test opened.success. If it is False, return that response, and ask no further."),
+    Case("a tank that cannot go home", stops(("open", "no fuel")),
+         "You probably report success whatever /go_home says. Return its response."),
+    Case("two pit stops, then unconfigure", twice,
+         "You probably leave something behind. In unconfigure, destroy the service with node.destroy_service, "
+         "and both clients with node.destroy_client."),
+]  # fmt: skip
+ask = Exercise("ask", __doc__, Cases(PitCrew, CASES, [], UNANSWERED, one_by_one=True))

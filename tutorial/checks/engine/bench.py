@@ -1,0 +1,187 @@
+"""A bench: a learner's controller on a real rclpy's node, whose callbacks run on one thread, and a second program."""
+
+import sys
+import time
+from collections.abc import Callable
+from traceback import walk_stack, walk_tb
+from typing import Any
+
+from std_srvs.srv import Trigger
+
+from tutorial.checks.engine.bodies import bodies
+from tutorial.checks.engine.exceptions import endless
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.trial import Trial
+from tutorial.controller import ControllerConfig
+from tutorial.handoff import RequestQueue
+from tutorial.ros.node_thread import SpinThread
+from tutorial.ros.watched_node import WatchedNode
+
+LOOK = 0.01  # [s] between checks of a condition
+LOOKS = 500  # number of checks after which a request counts as unanswered
+NO_SERVICE = "You probably don't create the service in configure, or with a different name or type."
+UNANSWERED = (
+    "You probably wait for a response that cannot arrive, or return before you have it. "
+    "Await call_async in a coroutine, with the clients in a callback group of their own."
+)
+NO_RETURN = "You probably forgot return. The callback of a service has to return a response, in every case."
+NOT_THERE = {
+    "'Future'": "call_async returns a future, and not yet the response. Write await before it, in a coroutine.",
+    "'coroutine'": "A coroutine function returns its result only to those who await it. Write await before its call.",
+    "'NoneType'": "There is no response yet: a future has no result before it is done, and call returns None after its "
+    "timeout. Await call_async in a coroutine.",
+}
+"""Likely causes of an exception, by a part of its text."""
+
+
+class _Thread(SpinThread[WatchedNode]):
+    """A node's thread that keeps a callback's exception for the learner, and does not log it."""
+
+    timeout = 0.5
+
+    @property
+    def ident(self) -> int:
+        """The identifier of the thread."""
+        return self._thread.ident or 0
+
+    def failed(self, error: BaseException) -> None:
+        self.error = self.error or error
+
+    def close(self) -> None:
+        self._stopping.set()
+        self._thread.join(self.timeout)
+        if self._thread.is_alive():  # the learner's callback does not return: it ends with the process
+            self.alive.discard(self)
+        else:
+            super().close()
+
+
+class Bench:
+    """Run a learner's controller on its own node, and make requests from a second one.
+
+    Args:
+        trial: the trial that the bench belongs to.
+        name: the body's name.
+
+    Attributes:
+        trial: as given.
+        node: the learner's node.
+        body: the simulated body, which does not move by itself.
+        requests: the requests that wait for the simulation's thread.
+        learner: the learner's controller.
+        took: how long the last response took [s].
+        asked: the names of the second program's services, in the order of the learner's requests.
+
+    Raises:
+        Failure: one of the learner's methods raised an exception. All methods of a bench raise this, too.
+    """
+
+    def __init__(self, trial: Trial, name: str = "Tank") -> None:
+        self.trial, self.requests, self.asked, self.took = trial, RequestQueue(), list[str](), 0.0
+        self._own, self._other = _Thread(WatchedNode, f"tank_{id(trial)}"), _Thread(WatchedNode, "other")
+        self.node = self._own.node
+        displayed, self.body = bodies(trial, "tank", name)
+        self._before = self._made()
+        try:
+            with trial.calling("__init__"):
+                self.learner = trial.answer()
+            self.do("configure", ControllerConfig(displayed, self.node, _drop, _drop, self.requests.ask))
+        except BaseException:
+            self.close()
+            raise
+
+    def do(self, method: str, *arguments: Any) -> None:
+        """Call one of the learner's methods."""
+        with self.trial.calling(method):
+            getattr(self.learner, method)(*arguments)
+
+    def serve(self, **replies: str) -> None:
+        """Offer a service for each keyword, which succeeds unless its reply begins with "no", and wait for clients."""
+        for name, reply in replies.items():
+
+            def answer(_request: Any, response: Any, name: str = name, reply: str = reply) -> Any:
+                time.sleep(LOOK)
+                self.asked.append(name)
+                response.success, response.message = not reply.startswith("no"), reply
+                return response
+
+            self._other.node.create_service(Trigger, f"/{name}", answer)
+        self._wait(lambda: all(self._know_each_other(client) for client in self.node.clients))
+
+    def ask(self, service: str) -> str:
+        """Make a request, and describe the response."""
+        client = self._other.node.create_client(Trigger, service)
+        if not self._wait(lambda: client.service_is_ready() and self.node.count_clients(service)):
+            raise Failure("configure", Misuse(f"there is no service {service} of the type Trigger", NO_SERVICE))
+        began = time.monotonic()
+        future = client.call_async(Trigger.Request())
+        self._wait(lambda: future.done() or self._own.error or self.node.deadlocks())
+        if not future.done():
+            raise self._failure(service)
+        self.took = time.monotonic() - began
+        return f"{'yes' if future.result().success else 'no'}: {future.result().message}"
+
+    def leave(self) -> str:
+        """Call `unconfigure`, and name the services, clients and parameters that the controller has left behind."""
+        self.do("unconfigure")
+        left = self._made() - self._before
+        return f"left: {', '.join(sorted(left))}" if left else "nothing is left"
+
+    def close(self) -> None:
+        """End the requests and both nodes."""
+        self.requests.close()
+        if self.node.deadlocks():
+            self.node.end_deadlocks()
+            self._wait(lambda: self._own.error)  # or rclpy prints that nobody has retrieved the exception
+        self._own.close()
+        self._other.close()
+
+    def _know_each_other(self, client: Any) -> bool:
+        """Return whether a client has discovered its service, and the service its client: both can be too early."""
+        return bool(client.service_is_ready() and self._other.node.count_clients(client.srv_name))
+
+    def _failure(self, service: str) -> Failure:
+        """Find out why there is no response."""
+        if self._own.error is not None:
+            return _from_callback(self.trial, self._own.error)
+        for wait, text in self.node.deadlocks().items():
+            return Failure(wait.label, Misuse(text, UNANSWERED))
+        place = self.trial.place(walk_stack(sys._current_frames().get(self._own.ident)))
+        if place is not None:
+            return Failure(place.function, Misuse("it does not return", endless(place.function)), place)
+        return Failure(service, Misuse("no response arrives", UNANSWERED))
+
+    def _made(self) -> set[str]:
+        names = {f"the service {each.srv_name}" for each in self.node.services}
+        names |= {f"the client of {each.srv_name}" for each in self.node.clients}
+        names |= {f"the callback {getattr(each, '__name__', '')}" for each in self.node._on_set_parameters_callbacks}
+        return names | {f"the parameter {name}" for name in self.node.get_parameters_by_prefix("")}
+
+    def _wait(self, condition: Callable[[], object]) -> bool:
+        """Wait until a condition holds. Return False after `LOOKS` checks: on a busy machine, they take longer."""
+        for _ in range(LOOKS):
+            if condition():
+                return True
+            time.sleep(LOOK)
+        return False
+
+
+def _from_callback(trial: Trial, error: BaseException) -> Failure:
+    """Return the failure for an exception of a callback that the executor has called."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_frame.f_code.co_filename not in trial.watched:
+        trace = trace.tb_next  # the executor's frames
+    frames = [*walk_tb(trace)]
+    place = trial.place(reversed(frames))
+    if place is None:
+        return Failure(
+            "a callback", Misuse(f"ROS 2 cannot send the response: {error or type(error).__name__}", NO_RETURN)
+        )
+    is_own = frames[-1][0].f_code.co_filename in trial.watched  # and not raised by a function that it calls
+    cause = next((cause for part, cause in NOT_THERE.items() if is_own and part in str(error)), None)
+    text = f"it raises {type(error).__name__}: {error}"
+    return Failure(place.function, Misuse(text, cause) if cause else error.with_traceback(trace), place)
+
+
+def _drop(*_: object) -> None:
+    pass
