@@ -5,15 +5,16 @@ all is well:
 
 - `"domain"`: the topic has no publisher here, but it has one in another domain.
 - `"nobody"`: the topic has no publisher at all.
-- `"type"`: there is a subscription, and no publisher has its type.
+- `"type"`: there is a subscription whose type no publisher has.
 - `"reliability"`: there is a `reliable` subscription, and no publisher of its type is `reliable`.
 - `"durability"`: there is a `transient_local` subscription, and no publisher of its type that is reliable enough for it
   is `transient_local`.
-- `"clock"`: no message arrives, the node of a publisher follows `/clock`, and no message arrives there, either.
+- `"clock"`: no message arrives, at least one publisher's node follows `/clock`, and no message arrives there, either.
 - `"silent"`: there is a publisher, and no message arrives.
 - `"dropped"`: messages arrive, and more than half of them move no joint.
 
-One compatible publisher is enough for a subscription. In each graph, at most one subscription lacks one.
+One compatible publisher is enough for a subscription. In each graph, at most one subscription has no compatible
+publisher. `clock_users` holds the full names of nodes, such as `"/tank"`.
 
 Hint 1: Look at the list of causes: without a publisher, only two are possible. And one compatible publisher is
 enough for a subscription, so look at all publishers before you blame one.
@@ -29,9 +30,12 @@ any(each.node in facts.clock_users for each in facts.publishers) and not facts.c
 Notice that `tank doctor` works like this: it goes through a list of causes, and names the first that the facts support.
 """
 
+import sys
+from contextlib import redirect_stdout
+from io import StringIO
 from typing import Any
 
-from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, replace
+from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
 from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
@@ -58,6 +62,11 @@ def cause_of(facts: Facts) -> str | None:
     return "dropped" if facts.unmoved > facts.received / 2 else None
 
 
+REVERSED = replace(
+    "if not reliable:",
+    "if not subscription.reliable and all(each.reliable for each in same):",
+    "if not subscription.reliable and any(each.reliable for each in same):",
+)
 MISTAKES = [
     Mistake("you require the same reliability on both sides. "
             "A subscription that is not reliable accepts any publisher.",
@@ -65,22 +74,45 @@ MISTAKES = [
                     "if each.reliable")),
     Mistake("you test reliability the wrong way round: the subscription asks, "
             "and the publisher has to offer at least as much.",
-            replace("if each.reliable or not subscription.reliable", "if subscription.reliable or not each.reliable")),
+            replace("if each.reliable or not subscription.reliable", "if subscription.reliable or not each.reliable")
+            + REVERSED
+            + both(REVERSED, replace("if not durable:", "if subscription.transient_local and not durable:"))),
     Mistake("you require the same durability on both sides. A VOLATILE subscription accepts any publisher.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if each.transient_local == subscription.transient_local", "if each.transient_local")),
     Mistake("you test durability the wrong way round: the subscription asks, "
             "and the publisher has to offer at least as much.",
             replace("if each.transient_local or not subscription.transient_local",
-                    "if subscription.transient_local or not each.transient_local")),
+                    "if subscription.transient_local or not each.transient_local")
+            + replace("if not durable:",
+                      "if not subscription.transient_local and all(each.transient_local for each in reliable):",
+                      "if not subscription.transient_local and any(each.transient_local for each in reliable):")),
     Mistake("you check only the first publisher. A subscription needs one compatible publisher: check all of them.",
-            replace("facts.publishers if each.type", "facts.publishers[:1] if each.type")),
+            replace("facts.publishers if each.type", "facts.publishers[:1] if each.type")
+            + replace("if not same:", "if facts.publishers[0].type != subscription.type:")
+            + replace("if not reliable:", "if subscription.reliable and not facts.publishers[0].reliable:")),
     Mistake("you check only the first subscription. Check all of them: only one of them may be incompatible.",
             replace("in facts.subscriptions", "in facts.subscriptions[:1]")),
     Mistake("you require every publisher to be compatible. One is enough for a subscription.",
             replace("if not same:", "if len(same) < len(facts.publishers):")
             + replace("if not reliable:", "if len(reliable) < len(same):")
             + replace("if not durable:", "if len(durable) < len(reliable):")),
+    Mistake("you test for the type too late, or not at all. Return the first cause in the list that applies.",
+            replace("if not same:", "if subscription.reliable and not reliable:\n    return 'reliability'\n"
+                                    "if not same:")
+            + replace('return "type"', "pass")),
+    Mistake("you look at the messages before the subscriptions. Return the first cause in the list that applies.",
+            replace("for subscription in facts",
+                    "if not facts.received:\n"
+                    "    waiting = any(each.node in facts.clock_users for each in facts.publishers)\n"
+                    "    return 'clock' if waiting and not facts.clock_ticks else 'silent'\n"
+                    "for subscription in facts",
+                    "if not facts.received:\n    return 'silent'\nfor subscription in facts")),
+    Mistake("you return 'silent' before you test for the clock. Return the first cause in the list that applies.",
+            replace('"clock" if waiting and not facts.clock_ticks else "silent"', '"silent"')),
+    Mistake("you compare clock_users with the nodes of the subscriptions. "
+            "It is the publisher's node that has to follow /clock.",
+            replace("clock_users for each in facts.publishers", "clock_users for each in facts.subscriptions")),
     Mistake("you blame the clock although its messages arrive. Also test clock_ticks.",
             replace("waiting and not facts.clock_ticks", "waiting")),
     Mistake("you blame the clock although no publisher follows it. "
@@ -99,12 +131,14 @@ A_NAME = f"Return one of {', '.join(map(repr, NAMES))}, or None."
 
 JOINTS, IMU = "sensor_msgs/msg/JointState", "sensor_msgs/msg/Imu"
 TANK, STRANGER = Endpoint("/tank", JOINTS), Endpoint("/stranger", IMU)
+KEEPING_STRANGER = Endpoint("/stranger", IMU, transient_local=True)
 SPEAKER = Endpoint("/speaker", "std_msgs/msg/String")
 SENSOR = Endpoint("/sensor", JOINTS, reliable=False)
 KEEPER = Endpoint("/keeper", JOINTS, transient_local=True)
 LOSER = Endpoint("/loser", JOINTS, reliable=False, transient_local=True)
 VIEWER, LATE = Endpoint("/viewer", JOINTS), Endpoint("/late", JOINTS, transient_local=True)
-EASY = Endpoint("/easy", JOINTS, reliable=False)
+SHAKER, EASY = Endpoint("/shaker", IMU), Endpoint("/easy", JOINTS, reliable=False)
+EASY_LATE = Endpoint("/easy_late", JOINTS, reliable=False, transient_local=True)
 
 
 def graph(*publishers: Endpoint, to: tuple[Endpoint, ...] = (VIEWER,), received: int = 20, **more: Any) -> Run:
@@ -124,15 +158,21 @@ def named(trial: Trial, facts: Facts) -> str:
     """Call the answer, and return the name of the cause.
 
     Raises:
-        Misuse: there is no cause with the returned name.
+        Misuse: there is no cause with the returned name, or the answer prints the right name instead of returning it.
     """
-    returned = trial.call(trial.answer, facts)
+    with redirect_stdout(StringIO()) as printed:
+        returned = trial.call(trial.answer, facts)
+    sys.stdout.write(printed.getvalue())
     if returned is not None and returned not in NAMES:
         raise Misuse(f"it returns {returned!r}", A_NAME)
+    if returned is None and cause_of(facts) in printed.getvalue().split():
+        raise Misuse(f"it prints {cause_of(facts)!r} and returns None", "Use return instead of print.")
     return returned or "all is well"
 
 
 ORDER = "You probably test the causes in a different order. Return the first one in the list that applies."
+OTHER_TYPE = "You probably count a publisher of a different type. Only one of the subscription's type can match."
+EACH = "You probably check only one subscription, or only whether any of them has a publisher. Each one needs one."
 ALONE = "You probably look at something else first. Without a publisher, only found_in tells the two causes apart."
 TYPES = "You probably don't compare the types of both sides: each.type == subscription.type."
 CASES = [
@@ -143,6 +183,8 @@ CASES = [
          "You probably look at other domains although there is a publisher here. Otherwise, ignore found_in."),
     Case("a publisher of Imu messages", graph(STRANGER), TYPES),
     Case("a publisher of String messages", graph(SPEAKER), TYPES),
+    Case("a publisher of Imu messages, a best-effort subscription", graph(STRANGER, to=(EASY,)), TYPES),
+    Case("a publisher of Imu messages, a transient local subscription", graph(STRANGER, to=(LATE,)), ORDER),
     Case("a best-effort publisher, a reliable subscription", graph(SENSOR)),
     Case("a reliable publisher, a best-effort subscription", graph(TANK, to=(EASY,))),
     Case("both best effort", graph(SENSOR, to=(EASY,))),
@@ -150,21 +192,41 @@ CASES = [
     Case("a transient local publisher, a volatile subscription", graph(KEEPER)),
     Case("both transient local", graph(KEEPER, to=(LATE,))),
     Case("a transient local best-effort publisher, a subscription that asks for both", graph(LOSER, to=(LATE,)), ORDER),
+    Case("a volatile best-effort publisher, a subscription that asks for both", graph(SENSOR, to=(LATE,)), ORDER),
+    Case("both best effort and transient local", graph(LOSER, to=(EASY_LATE,)),
+         "You probably require a reliable publisher even for a best-effort subscription, which accepts any."),
     Case("two publishers, the second one is compatible", graph(SENSOR, TANK)),
     Case("two publishers, the first one is compatible", graph(KEEPER, TANK, to=(LATE,))),
     Case("two publishers: one is reliable, the other one keeps messages", graph(TANK, LOSER, to=(LATE,)),
          "You probably accept a reliable publisher and a durable one. A single publisher has to be both."),
-    Case("two publishers, one of a different type", graph(STRANGER, TANK)),
-    Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE))),
-    Case("no subscription", graph(TANK, to=())),
+    Case("two publishers, the first one of a different type", graph(STRANGER, TANK)),
+    Case("two publishers, the second one of a different type", graph(TANK, STRANGER)),
+    Case("two publishers, only the one of a different type is reliable", graph(SENSOR, STRANGER), OTHER_TYPE),
+    Case("two publishers, only the one of a different type keeps messages",
+         graph(TANK, KEEPING_STRANGER, to=(LATE,)), OTHER_TYPE),
+    Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE)), EACH),
+    Case("two subscriptions, the first one refuses", graph(TANK, to=(LATE, VIEWER)), EACH),
+    Case("two subscriptions, one of a different type", graph(TANK, to=(VIEWER, SHAKER)), EACH),
+    Case("two subscriptions, only one of them accepts best effort", graph(SENSOR, to=(EASY, VIEWER)), EACH),
+    Case("no subscription", graph(TANK, to=()),
+         "You probably expect a subscription. Without one, go on to the messages.", crashes=True),
     Case("no message arrives", graph(TANK, received=0)),
     Case("no message arrives, and the types differ", graph(STRANGER, received=0), ORDER),
+    Case("no message arrives, and reliability differs", graph(SENSOR, received=0), ORDER),
+    Case("no message arrives, and durability differs", graph(TANK, to=(LATE,), received=0), ORDER),
     Case("no message arrives, and the publisher follows /clock", graph(TANK, received=0, clock_users=("/tank",))),
     Case("no message arrives, the publisher follows /clock, which ticks",
          graph(TANK, received=0, clock_users=("/tank",), clock_ticks=200)),
     Case("no message arrives, and only the viewer follows /clock",
          graph(TANK, received=0, clock_users=("/viewer",))),
-    Case("messages arrive without a clock", graph(TANK, clock_users=("/tank",)), ORDER),
+    Case("no message arrives, and one of three publishers follows /clock",
+         graph(TANK, KEEPER, SENSOR, received=0, clock_users=("/keeper",)),
+         "You probably want each publisher to follow /clock, or check only one. One that follows /clock is enough."),
+    Case("no message arrives, and only nodes with similar names follow /clock",
+         graph(TANK, received=0, clock_users=("/tank2", "/tan")),
+         "You probably search for a part of a name. Compare whole names: each.node in facts.clock_users."),
+    Case("messages arrive without a clock", graph(TANK, clock_users=("/tank",)),
+         "You probably blame the clock although messages arrive. Also test received."),
     Case("no message moves a joint", graph(TANK, unmoved=20)),
     Case("12 of 20 messages move no joint", graph(TANK, unmoved=12)),
     Case("10 of 20 messages move no joint", graph(TANK, unmoved=10),

@@ -2,17 +2,19 @@
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
 volatile. The program of a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
-`TRANSIENT_LOCAL`, because it often starts late. You can change neither.
+`TRANSIENT_LOCAL`, because it often starts late. You can change neither. A `QoSProfile(depth=...)` is `RELIABLE` by
+default; here, any depth will do.
 
 Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning, and creates a
 subscription and a publisher on it.
 
 - Each of the robot's messages reaches the screen, unchanged, exactly once and in order, even if it repeats the
   previous one.
-- `on_joint_state` is the callback. It publishes immediately, and creates nothing: subscriptions take time to discover a
-  publisher.
+- `on_joint_state` is the callback. It publishes immediately, and creates no publisher or subscription: subscriptions
+  take time to discover a publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
-- A screen that starts late gets the robot's newest message.
+- A screen that starts late gets the robot's newest message, even if no screen was there before, and however old the
+  message is.
 
 Hint 1: Look at both connections separately. In each, one side offers and the other asks. What is the most that the
 relay can ask of the robot, and the least that it has to offer the screen?
@@ -31,10 +33,12 @@ Notice that a relay that asks for little and offers much can connect almost any 
 from contextlib import suppress
 from typing import Any
 
+from rclpy.duration import Duration, Infinite
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
 from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
+from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.memory_node import Endpoint as Made
 from tutorial.checks.engine.memory_node import MemoryNode
 from tutorial.checks.engine.real_dds import ros_node, wait
@@ -73,16 +77,24 @@ MISTAKES = [
             replace("durability=DurabilityPolicy.TRANSIENT_LOCAL", "durability=DurabilityPolicy.VOLATILE")),
     Mistake("your publisher is BEST_EFFORT, and the screen asks for RELIABLE: leave the reliability at its default.",
             replace("depth=1, durability", "depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, durability")),
+    Mistake("your publisher drops old messages, so a screen that starts late gets none. Leave out lifespan.",
+            replace("LOCAL)", "LOCAL, lifespan=Duration(seconds=1))")),
     Mistake("your publisher offers what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
             replace('"/wall/joint_state", kept', '"/wall/joint_state", qos_profile_sensor_data')),
     Mistake("you subscribe to the screen's topic, and publish on the robot's: swap the two.",
             both(replace('"/wall/joint_state"', "ROBOT"), replace('"/robot/joint_state"', "WALL"))),
+    Mistake("you publish the previous message, so the first one is missing. Publish the message of this call.",
+            replace("self.publisher.publish(message)", "if hasattr(self, 'previous'):\n"
+                    "    self.publisher.publish(self.previous)\nself.previous = message")),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: one subscription to /robot/joint_state with qos_profile_sensor_data, one "
            "publisher on /wall/joint_state that is RELIABLE and TRANSIENT_LOCAL, both created in __init__, and a "
            "callback that publishes its message.")  # fmt: skip
 
+ELSEWHERE = "Publish each message in on_joint_state, immediately, and only there."
+SHARED = "Your subscription uses it, too. Make a new QoSProfile for the publisher."
 ROBOT, WALL = "/robot/joint_state", "/wall/joint_state"
+OFFERED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)  # an answer can change qos_profile_sensor_data
 ASKED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -102,19 +114,39 @@ class Wiring:
 
     Attributes:
         node: the relay's node.
+        is_profile_changed: whether the answer has changed `qos_profile_sensor_data` itself.
     """
 
-    def __init__(self, trial: Trial, kind: type[MemoryNode] = MemoryNode) -> None:
+    def __init__(self, trial: Trial, kind: type[MemoryNode] = MemoryNode, screens: int = 1) -> None:
         self._trial = trial
         self._published: list[tuple[str, JointState]] = []
         self.node = kind(trial, lambda made, message: self._published.append((made.topic_name, message)))
+        self.node.subscribers = screens
         self._relay = trial.call(trial.answer, self.node)
+        own = getattr(trial.answer.__init__, "__globals__", {}).get("qos_profile_sensor_data", qos_profile_sensor_data)
+        self.is_profile_changed = any(_asked(each) != _asked(OFFERED) for each in (qos_profile_sensor_data, own))
+        qos_profile_sensor_data.reliability, qos_profile_sensor_data.durability = _asked(OFFERED)  # for the solution
 
     def send(self, message: JointState) -> None:
         """Have the robot publish a message."""
         subscriptions = self.node.subscriptions
         for each in [each for each in subscriptions if each.topic_name == ROBOT] or subscriptions:
             self._trial.call(each.callback, message)
+
+    def check_elsewhere(self) -> None:
+        """Check that nothing is published outside of the callback, by a timer or a thread.
+
+        Raises:
+            Misuse: a timer publishes, or there is a thread.
+        """
+        count = len(self._published)
+        for each in self.node.timers:
+            if not each.is_canceled():
+                self._trial.call(each.callback)
+        if len(self._published) > count:
+            raise Misuse("it publishes in a timer", ELSEWHERE)
+        if "thread" in self._trial.noted:
+            raise Misuse("it starts a thread", ELSEWHERE)
 
     @property
     def shown(self) -> list[JointState]:
@@ -124,12 +156,13 @@ class Wiring:
 
     def heard(self, made: Made) -> str:
         """Describe the connection from the robot to one of the relay's subscriptions."""
-        robot = described(JointState, qos_profile_sensor_data)
-        return _connection(made, ROBOT, misfits(robot, described(made.kind, made.qos)))
+        return _connection(made, ROBOT, misfits(described(JointState, OFFERED), described(made.kind, made.qos)))
 
     def seen(self, made: Made) -> str:
         """Describe the connection from one of the relay's publishers to the screen."""
-        return _connection(made, WALL, misfits(described(made.kind, made.qos), described(JointState, ASKED)))
+        problems = misfits(described(made.kind, made.qos), described(JointState, ASKED))
+        is_limited = made.qos.lifespan not in (Duration(), Infinite)
+        return _connection(made, WALL, [*problems, "lifespan"] if is_limited else problems)
 
 
 class HastyNode(MemoryNode):
@@ -143,6 +176,10 @@ class HastyNode(MemoryNode):
         return made
 
 
+def _asked(qos: QoSProfile) -> tuple[ReliabilityPolicy, DurabilityPolicy]:
+    return qos.reliability, qos.durability
+
+
 def _connection(made: Made, topic: str, problems: list[str]) -> str:
     if made.topic_name != topic:
         return f"on {made.topic_name}"
@@ -150,9 +187,16 @@ def _connection(made: Made, topic: str, problems: list[str]) -> str:
 
 
 def from_robot(trial: Trial) -> str:
-    """Observe the connection from the robot to the relay."""
+    """Observe the connection from the robot to the relay.
+
+    Raises:
+        Misuse: there is no connection, because the answer has changed the profile that its subscription uses.
+    """
     wiring = Wiring(trial)
-    return ", ".join(map(wiring.heard, wiring.node.subscriptions)) or "no subscription"
+    heard = ", ".join(map(wiring.heard, wiring.node.subscriptions)) or "no subscription"
+    if wiring.is_profile_changed and heard != "connected":
+        raise Misuse("it changes qos_profile_sensor_data itself", SHARED)
+    return heard
 
 
 def to_screen(trial: Trial) -> str:
@@ -169,15 +213,16 @@ def message_of(angle: float) -> JointState:
     return message
 
 
-def shown(*angles: float, relays: int = 1) -> Run:
+def shown(*angles: float, relays: int = 1, screens: int = 1) -> Run:
     """Observe what the screen shows of some messages: the number in each, and whether it has changed."""
 
     def run(trial: Trial) -> list[str]:
-        wirings = [Wiring(trial) for _ in range(relays)]
+        wirings = [Wiring(trial, screens=screens) for _ in range(relays)]
         found = []
         for wiring in wirings:
             for angle in angles:
                 wiring.send(message_of(angle))
+            wiring.check_elsewhere()
             unchanged = [message_of(angle) for angle in angles]
             found += [f"{each.position.tolist()}{'' if each in unchanged else ' changed'}" for each in wiring.shown]
         return found
@@ -195,7 +240,7 @@ def on_ros(trial: Trial) -> str:
     early, late = list[JointState](), list[JointState]()
     with ros_node() as node, ros_node() as others:
         trial.call(trial.answer, node)
-        robot = others.create_publisher(JointState, ROBOT, qos_profile_sensor_data)
+        robot = others.create_publisher(JointState, ROBOT, OFFERED)
         wait(robot.get_subscription_count, "the robot's messages do not reach the relay. Check its subscription.")
         others.create_subscription(JointState, WALL, early.append, ASKED)
         wait(lambda: early or robot.publish(message_of(0.5)), "no message reaches the screen. Check the QoS.")
@@ -211,6 +256,8 @@ CASES = [
          "You probably publish on a different topic or type, or create the publisher only in the callback."),
     Case("a message", shown(0.5),
          "You probably publish a new message, change it, or publish it twice. Publish the message that you get, once."),
+    Case("a message while no screen is there", shown(0.3, screens=0),
+         "You probably publish only while a screen is connected. Publish always: a late screen gets the message, too."),
     Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
          "You probably drop messages or change their order. Publish each message in the callback."),
     Case("the same message three times", shown(0.5, 0.5, 0.5),

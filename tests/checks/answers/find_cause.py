@@ -1,5 +1,7 @@
 """The exercise `find_cause`: right answers in various styles, and wrong ones."""
 
+from dataclasses import replace
+
 from tutorial.checks.find_cause import cause_of, find_cause
 from tutorial.ros.doctor.rules import diagnose
 
@@ -10,32 +12,44 @@ def as_the_doctor(facts):
     return next((cause.name for cause in diagnose(facts)), None)
 
 
-def with_a_table(facts):
-    def refused(test, known=lambda *_: True):
-        pairs = [[(p, s) for p in facts.publishers if known(p, s)] for s in facts.subscriptions]
-        return any(not any(test(*each) for each in those) for those in pairs)
+def lonely(fits):
+    """Return a rule: there is a subscription that no publisher fits."""
+    return lambda f: any(not any(fits(p, s) for p in f.publishers) for s in f.subscriptions)
 
-    def same_type(p, s):
-        return p.type == s.type
 
-    def reliable(p, s):
-        return p.reliable >= s.reliable
+def typed(p, s):
+    return p.type == s.type
 
-    rules = {
-        "domain": not facts.publishers and facts.found_in,
-        "nobody": not facts.publishers,
-        "type": refused(same_type),
-        "reliability": refused(reliable, same_type),
-        "durability": refused(
-            lambda p, s: p.transient_local >= s.transient_local, lambda p, s: same_type(p, s) and reliable(p, s)
-        ),
-        "clock": not facts.received
-        and {p.node for p in facts.publishers} & {*facts.clock_users}
-        and not facts.clock_ticks,
-        "silent": not facts.received,
-        "dropped": facts.unmoved * 2 > facts.received,
-    }
-    return next((name for name, applies in rules.items() if applies), None)
+
+def reliable(p, s):
+    return typed(p, s) and p.reliable >= s.reliable
+
+
+def durable(p, s):
+    return reliable(p, s) and p.transient_local >= s.transient_local
+
+
+def all_lonely(fits):
+    """Return a rule: no publisher fits any subscription."""
+    return lambda f: f.subscriptions and not any(fits(p, s) for p in f.publishers for s in f.subscriptions)
+
+
+RULES = {
+    "domain": lambda f: not f.publishers and f.found_in,
+    "nobody": lambda f: not f.publishers,
+    "type": lonely(typed),
+    "reliability": lonely(reliable),
+    "durability": lonely(durable),
+    "clock": lambda f: not f.received and {p.node for p in f.publishers} & {*f.clock_users} and not f.clock_ticks,
+    "silent": lambda f: not f.received,
+    "dropped": lambda f: f.unmoved * 2 > f.received,
+}
+
+
+def with_rules(*order, **changed):
+    """Return an answer that tests a table of independent rules, some of them changed or in a different order."""
+    rules = RULES | changed
+    return lambda facts: next((name for name in order or rules if rules[name](facts)), None)
 
 
 def with_the_nearest_publisher(facts):
@@ -69,7 +83,12 @@ class Doctor:
         return cause_of(facts)
 
 
-RIGHT = [as_the_doctor, with_a_table, with_the_nearest_publisher, Doctor()]
+def prints_its_way(facts):
+    print("domain, nobody or type")
+    return cause_of(facts)
+
+
+RIGHT = [as_the_doctor, with_rules(), with_the_nearest_publisher, Doctor(), prints_its_way]
 
 
 def messages_first(facts):
@@ -83,13 +102,84 @@ def first_publisher_at_once(facts):
     return cause_of(facts) if publisher else None
 
 
+def prints(facts):
+    print(cause_of(facts))
+
+
+def prints_all(facts):
+    for name, applies in RULES.items():
+        if applies(facts):
+            print(name)
+
+
+def any_type(p, s):
+    return p.reliable >= s.reliable
+
+
+def durable_of_any_type(p, s):
+    return any_type(p, s) and p.transient_local >= s.transient_local
+
+
+def durable_if_reliable(p, s):
+    return typed(p, s) and ((p.reliable and p.transient_local) or not s.transient_local)
+
+
+def on_a_clock(some, is_known):
+    """Return a rule for the clock: `is_known` tells for some or all publishers whether they follow it."""
+
+    def applies(f):
+        return not f.received and not f.clock_ticks and some(is_known(p.node, f.clock_users) for p in f.publishers)
+
+    return applies
+
+
+def the_wrong_way_round(policy, some):
+    """Return a rule that blames a subscription for asking for less than some or all publishers offer."""
+
+    def offered(f, s):
+        return some(getattr(p, policy) for p in f.publishers if typed(p, s))
+
+    return lambda f: any(not getattr(s, policy) and offered(f, s) for s in f.subscriptions)
+
+
+NO_PUBLISHER, APART, NO_MESSAGE = ("domain", "nobody"), ("type", "reliability", "durability"), ("clock", "silent")
+LATE_TYPE = "you test for the type too late"
+EACH = "You probably check only one subscription"
+OTHER_TYPE = "You probably count a publisher of a different type"
+FIRST = "you check only the first publisher"
+WHOLE = "Compare whole names"
+ENOUGH = "One that follows /clock is enough"
+BY_MESSAGES = "you look at the messages before the subscriptions"
+TURNED = "the wrong way round: the subscription asks"
 ELSEWHERE = "You probably look at other domains although there is a publisher here"
 LOST = "You probably look at something else first"
 WRONG = [
     (lambda _: "broken", "Return one of 'domain', 'nobody', 'type'"),
     (lambda facts: [cause_of(facts)], "Return one of 'domain', 'nobody', 'type'"),
     (first_publisher_at_once, LOST),
-    (messages_first, "You probably test the causes in a different order"),
+    (messages_first, BY_MESSAGES),
+    (prints, "Use return instead of print"),
+    (prints_all, "Use return instead of print"),
+    (with_rules(reliability=lonely(any_type)), OTHER_TYPE),
+    (with_rules(durability=lonely(durable_of_any_type)), OTHER_TYPE),
+    (with_rules(durability=lonely(durable_if_reliable)), "even for a best-effort subscription"),
+    (with_rules(type=all_lonely(typed), reliability=all_lonely(reliable), durability=all_lonely(durable)), EACH),
+    (with_rules(type=all_lonely(typed)), EACH),
+    (lambda facts: cause_of(replace(facts, subscriptions=facts.subscriptions[-1:])), EACH),
+    (with_rules(clock=on_a_clock(all, lambda node, users: node in users)), ENOUGH),
+    (with_rules(clock=on_a_clock(next, lambda node, users: node in users)), ENOUGH),
+    (with_rules(clock=on_a_clock(any, lambda node, users: node in " ".join(users))), WHOLE),
+    (with_rules(clock=on_a_clock(any, lambda node, users: any(user in node for user in users))), WHOLE),
+    (with_rules(clock=lambda f: RULES["clock"](replace(f, received=0))), "Also test received"),
+    (with_rules(clock=lambda f: RULES["clock"](replace(f, publishers=f.subscriptions))), "It is the publisher's node"),
+    *((with_rules(reliability=the_wrong_way_round("reliable", some)), TURNED) for some in (any, all)),
+    *((with_rules(durability=the_wrong_way_round("transient_local", some)), TURNED) for some in (any, all)),
+    (with_rules(type=lambda f: any(s.type != f.publishers[0].type for s in f.subscriptions)), FIRST),
+    (with_rules(reliability=lambda f: any(s.reliable > f.publishers[0].reliable for s in f.subscriptions)), FIRST),
+    (with_rules(*NO_PUBLISHER, "reliability", "type", "durability", *NO_MESSAGE, "dropped"), LATE_TYPE),
+    (with_rules(*NO_PUBLISHER, *NO_MESSAGE, *APART, "dropped"), BY_MESSAGES),
+    (with_rules(*NO_PUBLISHER, *NO_MESSAGE, "reliability", "durability", "type", "dropped"), [LATE_TYPE, BY_MESSAGES]),
+    (with_rules(*NO_PUBLISHER, *APART, "silent", "clock", "dropped"), "you return 'silent'"),
     (lambda facts: "nobody" if not facts.publishers else cause_of(facts), LOST),
 ]
 WRONG += [

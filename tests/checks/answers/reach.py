@@ -1,8 +1,12 @@
 """The exercise `reach`: right answers in various styles, and wrong ones."""
 
+import threading
 from copy import deepcopy
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+import rclpy
+from rclpy.duration import Infinite
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
 from tutorial.checks.reach import ROBOT, WALL, Relay, reach
@@ -57,7 +61,21 @@ class Renamed:
         self.to_wall.publish(state)
 
 
-RIGHT = [OtherProfiles, Copies, Counts, Renamed]
+class OneProfile:
+    """Change a profile of its own between the publisher and the subscription, and log in a timer."""
+
+    def __init__(self, node):
+        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Infinite)
+        self.publisher = node.create_publisher(JointState, WALL, qos)
+        qos.reliability, qos.durability = ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE
+        node.create_timer(timer_period_sec=1.0, callback=lambda: node.get_logger().debug("alive"))
+        node.create_subscription(JointState, ROBOT, self.on_joint_state, qos)
+
+    def on_joint_state(self, message):
+        self.publisher.publish(message)
+
+
+RIGHT = [OtherProfiles, Copies, Counts, Renamed, OneProfile]
 
 
 class InTheCallback(Relay):
@@ -94,6 +112,70 @@ class Timed(Relay):
         self.newest = message
 
 
+class Once(Relay):
+    def __init__(self, node):
+        super().__init__(node)
+        self.node, self.newest = node, None
+
+    def on_joint_state(self, message):
+        self.newest = message
+        self.timer = self.node.create_timer(0.0, self.on_timer)
+
+    def on_timer(self):
+        self.publisher.publish(self.newest)
+        self.timer.cancel()
+
+
+class Again(Timed):
+    def on_joint_state(self, message):
+        super().on_joint_state(message)
+        self.publisher.publish(message)
+
+
+class InAThread(Relay):
+    def on_joint_state(self, message):
+        threading.Thread(target=self.publisher.publish, args=(message,)).start()
+
+
+class Previous(Relay):
+    previous = None
+
+    def on_joint_state(self, message):
+        if self.previous:
+            self.publisher.publish(self.previous)
+        self.previous = message
+
+
+class IfConnected(Relay):
+    def on_joint_state(self, message):
+        if self.publisher.get_subscription_count() > 0:
+            self.publisher.publish(message)
+
+
+class IfCounted(Counts):
+    def on_joint_state(self, message):
+        if self.node.count_subscribers(WALL):
+            self.publisher.publish(message)
+
+
+class SharedProfile(Relay):
+    def __init__(self, node):
+        qos = qos_profile_sensor_data
+        qos.reliability, qos.durability = ReliabilityPolicy.RELIABLE, DurabilityPolicy.TRANSIENT_LOCAL
+        self.publisher = node.create_publisher(JointState, WALL, qos)
+        self.subscription = node.create_subscription(JointState, ROBOT, self.on_joint_state, qos_profile_sensor_data)
+
+
+class OwnNode(Relay):
+    def __init__(self, node):
+        super().__init__(rclpy.create_node("own"))
+
+
+class OwnNodeClass(Relay):
+    def __init__(self, node):
+        super().__init__(Node("own"))
+
+
 class Echo(Relay):
     def __init__(self, node):
         super().__init__(node)
@@ -106,13 +188,18 @@ WRONG = [
     (InTheCallback, ["create the publisher only in the callback"]),
     (HearsFirst, "Create the subscription last"),
     (OnlyChanges, "skip a message that repeats"),
-    (Timed, "is missing or never reached"),
+    *((kind, "in on_joint_state, immediately, and only there") for kind in (Timed, Once, Again, InAThread)),
+    (Previous, "you publish the previous message"),
+    *((kind, "only while a screen is connected") for kind in (IfConnected, IfCounted)),
+    (SharedProfile, "Make a new QoSProfile for the publisher"),
+    *((kind, "spins the node that") for kind in (OwnNode, OwnNodeClass)),
     (Echo, "more than once"),
 ]
 WRONG += [
     (edited(reach, edit), cause)
     for edit, cause in [
         ((SUBSCRIBED, "self.on_joint_state, 1"), "your subscription asks for RELIABLE"),
+        (("LOCAL)", "LOCAL, lifespan=Duration(seconds=10))"), "Leave out lifespan"),
         (('"/wall/joint_state", kept', '"/wall/joint_state", 10'), "your publisher is VOLATILE"),
         (('"/wall/joint_state"', '"/wall/joint_states"'), "publish on a different topic"),
         (('"/robot/joint_state"', '"/Robot/joint_state"'), "subscribe to a different topic"),

@@ -5,6 +5,8 @@ import gc
 
 import pytest
 import rclpy
+from rclpy.exceptions import NotInitializedException
+from rclpy.node import Node
 
 from tutorial.checks.engine.exceptions import likely_cause
 from tutorial.controller import SimpleController
@@ -22,6 +24,10 @@ class Answer(SimpleController):
 
     def control():
         pass
+
+
+class Given:
+    """An answer that gets a node of its program."""
 
 
 SENTENCES = {
@@ -47,3 +53,11 @@ def test_pythons_messages_are_understood(sentence):
     assert likely_cause(info.value, Answer).startswith(sentence)
     del info
     gc.collect()  # the real rclpy's spin_once leaves a half-initialized executor, which warns when it is collected
+
+
+@pytest.mark.parametrize(("answer", "spun"), [(Answer, "its node (config.node)"), (Given, "the node that Given gets")])
+@pytest.mark.parametrize("make", [Node, rclpy.create_node])
+def test_an_own_node_is_refused(answer, spun, make):
+    with pytest.raises(NotInitializedException) as info:
+        make("own")
+    assert likely_cause(info.value, answer).startswith(f"Leave it out: the program calls rclpy.init, spins {spun}, and")

@@ -1,6 +1,7 @@
 """A node in memory."""
 
 import pytest
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu, Joy
 
 from tutorial.checks.engine.failure import Failure, Misuse
@@ -42,3 +43,32 @@ async def coroutine(message):
 def test_callbacks_that_cannot_work(callback, said):
     with pytest.raises(Misuse, match=said):
         made().create_subscription(Joy, "joy", callback, 1)
+
+
+def test_a_profile_can_change_later():
+    qos = QoSProfile(depth=2)
+    publisher = made().create_publisher(Joy, "joy", qos)
+    qos.depth = 3
+    assert publisher.qos.depth == 2
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_subscribers_are_counted(count):
+    node = made()
+    node.subscribers = count
+    publisher = node.create_publisher(Joy, "joy", 1)
+    assert publisher.get_subscription_count() == node.count_subscribers("joy") == count
+    assert publisher.get_publisher_count() == 1
+
+
+def test_timers_can_be_canceled():
+    node = made()
+    timer = node.create_timer(timer_period_sec=0.1, callback=print)
+    assert node.timers == [timer]
+    assert (timer.callback, timer.is_canceled()) == (print, False)
+    timer.cancel()
+    assert timer.is_canceled()
+    timer.reset()
+    assert not timer.is_canceled()
+    assert node.destroy_timer(timer)
+    assert timer.is_canceled()

@@ -10,6 +10,8 @@ from difflib import get_close_matches
 from traceback import walk_tb
 from typing import Any
 
+from rclpy.exceptions import NotInitializedException
+
 from tutorial.controller import SimpleController
 
 AT_ONCE = "You probably call the callback right away. Pass it without parentheses: self.{}."
@@ -23,7 +25,7 @@ _RETURNS = {
     "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
 """By method name, why the method must return at once."""
-_PROGRAMS = "Leave it out: the program calls rclpy.init, spins its node (config.node), and shuts rclpy down."
+_PROGRAMS = "Leave it out: the program calls rclpy.init, spins {}, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
@@ -57,7 +59,8 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     """
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     called = {each.f_code.co_name for each in frames if str(each.f_globals.get("__name__")).startswith("rclpy")}
-    causes = [_PROGRAMS] if called & _CALLED_ONCE else []
+    is_own = called & _CALLED_ONCE or isinstance(error, NotInitializedException)
+    causes = [_programs(answer)] if is_own else []
     owner, name = (error.obj, str(error.name)) if isinstance(error, AttributeError) else (None, "")
     if isinstance(answer, type) and isinstance(owner, answer):
         causes.append(_unset(answer, name))
@@ -70,6 +73,13 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     if owner is not None:
         causes.append(_what_there_is(owner, name))
     return next(filter(None, causes), _GENERAL)
+
+
+def _programs(answer: Any) -> str:
+    """Return the advice for an answer that does what its program does."""
+    if isinstance(answer, type) and not issubclass(answer, SimpleController):
+        return _PROGRAMS.format(f"the node that {answer.__name__} gets")
+    return _PROGRAMS.format("its node (config.node)")
 
 
 def slept(method: str) -> str:

@@ -3,6 +3,7 @@
 import inspect
 import sys
 from collections.abc import Callable
+from copy import copy
 from functools import partial
 from typing import Any
 
@@ -38,7 +39,7 @@ class Endpoint:
     def __init__(self, node: "MemoryNode", kind: type, topic: str, qos: Any, callback: Any = None) -> None:
         self.topic_name = expand_topic_name(topic, "tank", node.namespace)
         self.kind, self.callback, self.destroyed = kind, callback, False
-        self.qos = qos if isinstance(qos, QoSProfile) else QoSProfile(depth=qos)
+        self.qos = copy(qos) if isinstance(qos, QoSProfile) else QoSProfile(depth=qos)  # later changes have no effect
         self.depth = self.qos.depth
         self._node = node
 
@@ -55,10 +56,35 @@ class Endpoint:
         self.destroyed = True
 
     def get_subscription_count(self) -> int:
-        """Return 1, as if another program were connected."""
+        """Return how many other programs subscribe to the topic."""
+        return self._node.subscribers
+
+    def get_publisher_count(self) -> int:
+        """Return 1, as if another program published on the topic."""
         return 1
 
-    get_publisher_count = get_subscription_count
+
+class Timer:
+    """A timer of a `MemoryNode`. It fires only if a case calls its callback.
+
+    Args:
+        callback: called when the timer fires.
+    """
+
+    def __init__(self, callback: Callable[[], object]) -> None:
+        self.callback, self._is_canceled = callback, False
+
+    def cancel(self) -> None:
+        """Stop the timer."""
+        self._is_canceled = True
+
+    def reset(self) -> None:
+        """Start the timer again."""
+        self._is_canceled = False
+
+    def is_canceled(self) -> bool:
+        """Return whether the timer is stopped."""
+        return self._is_canceled
 
 
 class MemoryNode:
@@ -73,6 +99,8 @@ class MemoryNode:
         get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
         made: all publishers and subscriptions that were ever made.
         kept: the ones that the node still has, including any that were destroyed without notifying it.
+        timers: all timers that were ever made.
+        subscribers: how many subscriptions of other programs each publisher is connected to.
         destroyed: whether the learner has destroyed the node itself.
     """
 
@@ -80,7 +108,8 @@ class MemoryNode:
         self, trial: Trial, publish: Callable[[Endpoint, Any], object] = lambda *_: None, namespace: str = "/"
     ) -> None:
         self.publish, self.namespace, self.destroyed = publish, namespace, False
-        self.made, self.kept = list[Endpoint](), list[Endpoint]()
+        self.made, self.kept, self.timers = list[Endpoint](), list[Endpoint](), list[Timer]()
+        self.subscribers = 1
         self.get_clock, self.get_logger = Clock, partial(get_logger, "tank")
         self.destroy_publisher, self.destroy_subscription = partial(self._drop, False), partial(self._drop, True)
         self.get_name, self.get_namespace = (lambda: "tank"), (lambda: namespace)
@@ -99,9 +128,20 @@ class MemoryNode:
         _check_callback(callback, msg_type)
         return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
 
-    def create_timer(self, *_: Any) -> None:
-        """Record ``"timer"``. The timer never fires."""
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], object], **_: Any) -> Timer:  # noqa: ARG002
+        """Make a timer that never fires by itself, and record ``"timer"``."""
         self._trial.note("timer", sys._getframe())
+        self.timers.append(Timer(callback))
+        return self.timers[-1]
+
+    def destroy_timer(self, timer: Timer) -> bool:
+        """Stop a timer."""
+        timer.cancel()
+        return timer in self.timers
+
+    def count_subscribers(self, topic_name: str) -> int:  # noqa: ARG002
+        """Return how many other programs subscribe to any topic."""
+        return self.subscribers
 
     @property
     def subscriptions(self) -> list[Endpoint]:
