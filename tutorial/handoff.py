@@ -262,7 +262,9 @@ class RequestQueue:
             reason: the text of the error that `ask` raises.
         """
         with self._lock:
-            self._refusal, refused, self._waiting = reason, self._waiting, []
+            self._refusal = reason
+            refused = self._waiting
+            self._waiting = []
         for answer, _ in refused:
             if answer.set_running_or_notify_cancel():  # its caller has not given up
                 answer.set_exception(RefusedError(reason))
@@ -288,6 +290,7 @@ class RequestQueue:
                 raise WrongThreadError("ask was called on the simulation's thread. Call the function directly.")
             self._waiting.append((answer, partial(function, *args)))
         wait([answer], timeout)
+        # cancel() decides who wins: it returns False if the simulation's thread has already begun the request.
         if answer.cancel():  # the request has not begun, and never will
             raise RefusedError(f"the simulation has not finished its step within {timeout:g} s.")
         if not answer.done():
@@ -300,7 +303,8 @@ class RequestQueue:
         Requests that arrive meanwhile wait for the next call, so that callers cannot hold up the simulation.
         """
         with self._lock:
-            requests, self._waiting = self._waiting, []
+            requests = self._waiting
+            self._waiting = []
         for answer, request in requests:
             if answer.set_running_or_notify_cancel():  # its caller has not given up
                 try:

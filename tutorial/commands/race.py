@@ -105,13 +105,14 @@ async def _race_all(
     limit: float,
 ) -> None:
     """Run one race after another, because two at a time would slow each other down."""
-    from tutorial.commands.racing import race
+    from tutorial.commands.racing import Options, race
 
     for number, path in enumerate(drivers, start=1):
         if len(drivers) > 1:
             print_text(f"{number} of {len(drivers)}: {path.name}\n", err=True)
         html = None if replay is None else replay / f"{path.stem}-{layout}.html"
-        entries.append(await race(path, project, layout, html, view, len(drivers) == 1, sandbox, limit))
+        options = Options(html, view, limit, loud=len(drivers) == 1, is_sandboxed=sandbox)
+        entries.append(await race(path, project, layout, options))
         if scoreboard is not None:
             scoreboard.write(json.dumps(entries[-1].as_dict()) + "\n")
             scoreboard.flush()

@@ -13,8 +13,8 @@ import threading
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable
-from contextlib import AsyncExitStack, suppress
+from collections.abc import Callable, Iterator
+from contextlib import AsyncExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -78,6 +78,25 @@ class Entry:
         return {**entry, "note": self.note, "real_time": round(self.real_time, 3)}
 
 
+@dataclass(frozen=True)
+class Options:
+    """How to run a race.
+
+    Attributes:
+        html: where to write a page that replays the race; None for no page.
+        view: whether to serve a 3D view.
+        limit: the longest duration [s], in simulated time.
+        loud: whether to print the driver's output on stderr.
+        is_sandboxed: whether the driver runs in a sandbox.
+    """
+
+    html: Path | None
+    view: bool
+    limit: float
+    loud: bool
+    is_sandboxed: bool
+
+
 class Driver:
     """A driver's program, with all processes that it starts.
 
@@ -92,10 +111,13 @@ class Driver:
         self._lines: deque[str] = deque(maxlen=LINES_KEPT)
         self._hear = hear
         self._folder = tempfile.TemporaryDirectory(prefix="tank-race-", ignore_cleanup_errors=True)
-        words, variables = [], dict(os.environ)
         if is_sandboxed:
             words, variables = sandbox(self._folder.name, path.resolve()), environment(self._folder.name)
-        command = [*words, sys.executable, "-P", "-c", LIMITED * is_sandboxed + PRELUDE, str(path.resolve())]
+            code = LIMITED + PRELUDE
+        else:
+            words, variables = [], dict(os.environ)
+            code = PRELUDE
+        command = [*words, sys.executable, "-P", "-c", code, str(path.resolve())]
         self._process = parent_watch.start_watched(command, {**variables, MARK: self._mark})
         self._reader = threading.Thread(target=self._read, name="driver", daemon=True)
         self._reader.start()
@@ -150,54 +172,51 @@ class Driver:
                 self._hear(line)
 
 
-async def race(
-    path: Path,
-    project: Project,
-    layout: str,
-    html: Path | None,
-    view: bool,
-    loud: bool,
-    is_sandboxed: bool,
-    limit: float,
-) -> Entry:
+async def race(path: Path, project: Project, layout: str, options: Options) -> Entry:
     """Run one race in a ROS domain of its own, then stop everything that belongs to it.
 
     Args:
         path: the driver's file.
         project: a project with a `Referee`.
         layout: the name of the line.
-        html: where to write a page that replays the race; None for no page.
-        view: whether to serve a 3D view.
-        loud: whether to print the driver's output on stderr.
-        is_sandboxed: whether the driver runs in a sandbox.
-        limit: the longest duration [s], in simulated time.
+        options: how to run the race.
 
     Raises:
         TutorialError: the world is not suitable for a race, or a file cannot be written.
     """
     before = fingerprint()
     async with AsyncExitStack() as stack:
-        domain = stack.enter_context(reserved_domain(os.environ.get("ROS_DOMAIN_ID")))
-        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}  # for the driver
+        stack.enter_context(_own_domain())
         scene = Scene()
-        host = await stack.enter_async_context(Host(project, None, View(scene) if view or html else None))
-        if view:
+        view = View(scene) if options.view or options.html else None
+        host = await stack.enter_async_context(Host(project, None, view))
+        if options.view:
             server = await stack.enter_async_context(SceneServer(scene, title="race"))
             print_text(f"3D view: {server.url}\n")
-        if html is not None:
-            stack.enter_context(recorded(scene, html, f"{path.name}, {layout}", host.shown_at, host.joint_positions))
-        driver = Driver(path, (lambda line: print_text(line, err=True)) if loud else (lambda _: None), is_sandboxed)
+        if options.html is not None:
+            title = f"{path.name}, {layout}"
+            stack.enter_context(recorded(scene, options.html, title, host.shown_at, host.joint_positions))
+        hear = partial(print_text, err=True) if options.loud else (lambda _: None)
+        driver = Driver(path, hear, options.is_sandboxed)
         stack.callback(driver.close)
         if problem := await _meet(host, driver):
             return Entry(path.name, layout, Result(end=NO_START), problem)
         referee = host.controllers["Referee"]
         assert isinstance(referee, Referee)
-        referee.limit = limit
+        referee.limit = options.limit
         note, real_time = await _run(host, referee, driver)
         if fingerprint() != before:
             referee.race.disqualify("files of the tutorial changed during the race")
         result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
         return Entry(path.name, layout, result, result.foul or note, real_time)
+
+
+@contextmanager
+def _own_domain() -> Iterator[None]:
+    """Reserve a ROS domain for the simulation, and for the driver, which inherits the environment variables."""
+    with reserved_domain(os.environ.get("ROS_DOMAIN_ID")) as domain:
+        os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+        yield
 
 
 async def _meet(host: Host, driver: Driver) -> str:

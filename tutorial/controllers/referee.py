@@ -70,16 +70,22 @@ class Referee(SimpleController):
 
     def contacts(self) -> tuple[set[str], bool]:
         """Return the names of the things that the tank touches, and whether its barrel touches the rail."""
-        mine, touched, on_rail = f"{self.io.body.name}/", set(), False
-        for pair in self.io.body.data.contact.geom.tolist():
-            ours = [i for i in pair if self.names[i].startswith(mine)]
-            others = [i for i in pair if not self.names[i].startswith(mine) and i not in self.floor]
-            if len(ours) == len(others) == 1:
-                if self.names[ours[0]].endswith("/BARREL") and self.names[others[0]].endswith("/RAIL"):
-                    on_rail = True
-                else:
-                    touched.add(self.names[others[0]])
+        touched, on_rail = set(), False
+        for one, other in self.io.body.data.contact.geom.tolist():
+            if self.is_mine(one) == self.is_mine(other):
+                continue
+            part, thing = (one, other) if self.is_mine(one) else (other, one)
+            if thing in self.floor:
+                continue
+            if self.names[part].endswith("/BARREL") and self.names[thing].endswith("/RAIL"):
+                on_rail = True
+            else:
+                touched.add(self.names[thing])
         return touched, on_rail
+
+    def is_mine(self, geom: int) -> bool:
+        """Return whether a geom is a part of the tank."""
+        return self.names[geom].startswith(f"{self.io.body.name}/")
 
     def count_publishers(self) -> None:
         """End the race if a topic has more publishers than it should have."""

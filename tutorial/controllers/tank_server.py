@@ -10,7 +10,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from tutorial.body import Joint
 from tutorial.controller import ControllerConfig, ControllerIO
-from tutorial.controllers.tank_controller import D_GAIN, P_GAIN, AimedJoint, TankController
+from tutorial.controllers.tank_controller import D_GAIN, P_GAIN, STEP_AT_FULL_STICK, AimedJoint, TankController
 from tutorial.errors import RefusedError
 from tutorial.handoff import Latest
 
@@ -112,12 +112,17 @@ class TunedJoint(AimedJoint):
         self.gains = gains
 
     def aim(self, stick: float) -> None:
-        """Move the reference as in step 1, and compute the torque from the newest gains."""
-        q_ref, q_prev = self.q_ref, self.q_prev
-        super().aim(stick)  # updates both
+        """Move the reference as in step 1, and set the torque that follows from the newest gains."""
+        lower, upper = self.joint.range
+        q_ref = min(max(self.q_ref + STEP_AT_FULL_STICK * stick, lower), upper)
+        dq_ref = (q_ref - self.q_ref) / self.time_step
+
+        q = self.joint.position
+        dq = (q - self.q_prev) / self.time_step
         p_gain, d_gain = self.gains.get().values()
-        dq_ref, dq = (self.q_ref - q_ref) / self.time_step, (self.q_prev - q_prev) / self.time_step
-        self.joint.effort = p_gain * (self.q_ref - self.q_prev) + d_gain * (dq_ref - dq)
+        self.joint.effort = p_gain * (q_ref - q) + d_gain * (dq_ref - dq)
+
+        self.q_ref, self.q_prev = q_ref, q
 
 
 def gain(description: str, largest: float) -> ParameterDescriptor:

@@ -51,7 +51,8 @@ def read_line(path: Path) -> mujoco.MjSpec | None:
     for i, point in enumerate(curve):
         body.add_site(name=f"{SITE}{i}", pos=(*point, 0.0), group=HIDDEN)
     for start, end in pairwise(curve):
-        length, half_yaw = np.hypot(*(end - start)), np.arctan2(*(end - start)[::-1]) / 2
+        dx, dy = end - start
+        length, half_yaw = np.hypot(dx, dy), np.arctan2(dy, dx) / 2
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=(*(start + end) / 2, HEIGHT / 2),
@@ -78,7 +79,7 @@ def line_points(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float6
 
 
 def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
-    """Return points on the curve, shape (n, 2): cubic Hermite splines, whose slopes follow from the neighbours."""
+    """Return points on the curve, shape (n, 2). The slope at each of the file's points follows from its neighbours."""
     corners = np.array(file.data.points)
     chords = np.hypot(*np.diff(corners, axis=0).T)
     for repeated in np.flatnonzero(chords < 1e-6):
@@ -87,16 +88,29 @@ def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
     slopes = np.gradient(corners, np.concatenate([[0.0], np.cumsum(chords)]), axis=0)
     pieces = []
     for i, chord in enumerate(chords):
-        t = np.linspace(0, 1, int(np.ceil(chord / SPACING)), endpoint=False)[:, None]
-        start, end = corners[i : i + 2]
-        piece = (1 + 2 * t) * (1 - t) ** 2 * start + t**2 * (3 - 2 * t) * end
-        piece += chord * (t * (1 - t) ** 2 * slopes[i] - t**2 * (1 - t) * slopes[i + 1])
+        piece = _piece(corners[i : i + 2], slopes[i : i + 2], chord)
         with file.at("points", i):
             _check_floor(piece)
         pieces.append(piece)
     with file.at("points", len(chords)):
         _check_floor(corners[-1:])
     return np.concatenate([*pieces, corners[-1:]])
+
+
+def _piece(ends: NDArray[np.float64], slopes: NDArray[np.float64], chord: float) -> NDArray[np.float64]:
+    """Return points on a cubic Hermite spline, shape (n, 2), without its end.
+
+    Args:
+        ends: its start and end [m], shape (2, 2).
+        slopes: its derivatives at both with respect to the length along the chord, shape (2, 2).
+        chord: the distance between start and end [m].
+    """
+    start, end = ends
+    start_slope, end_slope = slopes
+    t = np.linspace(0, 1, int(np.ceil(chord / SPACING)), endpoint=False)[:, None]
+    points: NDArray[np.float64] = (1 + 2 * t) * (1 - t) ** 2 * start + t**2 * (3 - 2 * t) * end
+    points += chord * (t * (1 - t) ** 2 * start_slope - t**2 * (1 - t) * end_slope)
+    return points
 
 
 def _check_floor(points: NDArray[np.float64]) -> None:

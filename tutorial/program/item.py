@@ -178,7 +178,7 @@ class Item:
         self._scopes.append(scope)  # first, so that the calls of a controller that fails to join are dropped
         try:
             controller = controller_class()
-            ask = _until_closed(scope, self._ask)
+            ask = _AskUntilClosed(scope, self._ask)
             controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest, ask))
         except (Exception, SystemExit) as error:
             text = f"{name} could not join {self.body.name}: {describe_error(error, file_of(controller_class))}"
@@ -211,18 +211,22 @@ class Item:
         self._dirty = True
 
 
-def _until_closed(scope: CallScope, ask: Ask) -> Ask:
-    """Return a controller's `ask`. Once its scope is closed, all its requests are refused, even waiting ones."""
+class _AskUntilClosed:
+    """A controller's `ask`. Once its scope is closed, all its requests are refused, even waiting ones."""
 
-    def run(function: Callable[..., Any], *args: object) -> Any:
-        if scope.closed:
-            raise RefusedError(f"{scope.owner} has left the program.")
+    def __init__(self, scope: CallScope, ask: Ask) -> None:
+        self._scope = scope
+        self._ask = ask
+
+    def __call__(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
+        """Request a call of the function between two steps. Executor's thread."""
+        return self._ask(self._run, function, *args, timeout=timeout)
+
+    def _run(self, function: Callable[..., Any], *args: object) -> Any:
+        """Call the function, unless the controller has left meanwhile. Simulation's thread."""
+        if self._scope.closed:
+            raise RefusedError(f"{self._scope.owner} has left the program.")
         return function(*args)
-
-    def ask_until_closed(function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        return ask(run, function, *args, timeout=timeout)
-
-    return ask_until_closed
 
 
 def _some(names: list[str]) -> str:

@@ -103,22 +103,10 @@ class Race:
         if self.over:
             return
         foul = self._jump(seconds, position)
-        while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
-            self._next += 1
-            self._advanced_at = seconds
-        if self._first is None:
-            self._first = self._next
-        ahead = len(self._points) - self._first
-        progress = (self._next - self._first) / ahead if ahead else 1.0
+        progress = self._advance(seconds, position)
         contacts = self.result.contacts + self._new_contacts(seconds, touched)
-        ends = {
-            FOUL: foul,
-            FINISHED: on_rail and progress == 1.0,
-            TIME_UP: seconds >= self.result.limit,
-            STUCK: progress < 1.0 and seconds - self._advanced_at >= PATIENCE,
-        }
-        end = next((each for each, has_come in ends.items() if has_come), "")
-        self.result = Result(progress, seconds, contacts, end, foul, self.result.limit)
+        state = replace(self.result, progress=progress, seconds=seconds, contacts=contacts, foul=foul)
+        self.result = replace(state, end=self._end(state, on_rail))
 
     @property
     def over(self) -> bool:
@@ -136,6 +124,28 @@ class Race:
             return ""
         distance = math.dist(before[1], position)
         return f"the tank has jumped {distance:.2f} m" if distance > FASTEST * (seconds - before[0]) else ""
+
+    def _advance(self, seconds: float, position: tuple[float, ...]) -> float:
+        """Count the points of the line that the tank has come near, and return its progress."""
+        while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
+            self._next += 1
+            self._advanced_at = seconds
+        if self._first is None:
+            self._first = self._next
+        ahead = len(self._points) - self._first
+        return (self._next - self._first) / ahead if ahead else 1.0
+
+    def _end(self, state: Result, on_rail: bool) -> str:
+        """Return why the race ends in this state; empty if it continues. A foul outranks every other end."""
+        if state.foul:
+            return FOUL
+        if on_rail and state.progress == 1.0:
+            return FINISHED
+        if state.seconds >= state.limit:
+            return TIME_UP
+        if state.progress < 1.0 and state.seconds - self._advanced_at >= PATIENCE:
+            return STUCK
+        return ""
 
     def _new_contacts(self, seconds: float, touched: Collection[str]) -> int:
         new = [each for each in touched if seconds - self._touched_at.get(each, -math.inf) > PAUSE]

@@ -201,12 +201,16 @@ def _value(text: str) -> Any:
 def _description(descriptor: ParameterDescriptor) -> str:
     """Describe a parameter as ``ros2 param describe`` does."""
     lines = [f"Parameter name: {escape_name(descriptor.name)}", f"  Type: {NAMES[descriptor.type]}"]
-    lines += [f"  Description: {descriptor.description}"] if descriptor.description else []
-    lines += ["  Constraints:"]
-    lines += ["    Read only: true"] if descriptor.read_only else []
-    for limits in (*descriptor.floating_point_range, *descriptor.integer_range)[:1]:
+    if descriptor.description:
+        lines.append(f"  Description: {descriptor.description}")
+    lines.append("  Constraints:")
+    if descriptor.read_only:
+        lines.append("    Read only: true")
+    if ranges := [*descriptor.floating_point_range, *descriptor.integer_range]:
+        limits = ranges[0]
         lines += [f"    Min value: {limits.from_value}", f"    Max value: {limits.to_value}"]
-        lines += [f"    Step: {limits.step}"] if limits.step else []
+        if limits.step:
+            lines.append(f"    Step: {limits.step}")
     if descriptor.additional_constraints:
-        lines += [f"    Additional constraints: {descriptor.additional_constraints}"]
+        lines.append(f"    Additional constraints: {descriptor.additional_constraints}")
     return "".join(f"{line}\n" for line in lines)

@@ -65,14 +65,16 @@ async def observe(
         domains: the other domains to search if nobody publishes the topic.
     """
     began = time.monotonic()
+    deadline = began + LOOK
     ears: dict[str, _Ear] = {}
     with ExitStack() as stack:
         others = [each for each in domains if each != node.context.get_domain_id()]
         elsewhere = stack.enter_context(_Elsewhere(topic, others))
-        while time.monotonic() < max(began + LOOK, *(ear.since + LISTEN for ear in ears.values()), 0.0):
+        while time.monotonic() < deadline:
             for name in {topic, CLOCK} - ears.keys():
                 if kind := _installed(*_endpoints(node, name)):
                     ears[name] = stack.enter_context(_Ear(node, name, kind))
+                    deadline = max(deadline, ears[name].since + LISTEN)
             if time.monotonic() > began + ALONE_AFTER and not _endpoints(node, topic)[0]:
                 await asyncio.to_thread(elsewhere.search)
             await asyncio.sleep(READ_EVERY)

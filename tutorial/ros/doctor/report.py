@@ -65,7 +65,8 @@ def _cause_text(number: int, cause: Cause) -> str:
     rule = cause.rule
     lines = [f"{number}. {rule.title[0].upper()}{rule.title[1:]}"]
     lines += [_labelled("saw", cause.found.saw), _labelled("means", rule.means), _labelled("fix", rule.fix)]
-    lines += [f"{'':11}{cause.fill(rule.command)}"] * bool(rule.command)
+    if rule.command:
+        lines.append(f"{'':11}{cause.fill(rule.command)}")
     lines += [f"{label:>8}   {text}" for label, text in zip(("look", "or"), cause.looks())]
     return "\n".join(lines) + "\n"
 

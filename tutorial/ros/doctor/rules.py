@@ -144,8 +144,10 @@ def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Foun
     """
 
     def find(facts: Facts) -> Found | None:
+        if not facts.publishers:
+            return None
         here = (facts.here,) if facts.here else ()
-        for subscription in (*facts.subscriptions, *here) if facts.publishers else ():
+        for subscription in (*facts.subscriptions, *here):
             publisher = min(facts.publishers, key=lambda each: len(misfits(each, subscription)))
             if name in misfits(publisher, subscription):
                 asks, offers = escape_name(text(subscription)), escape_name(text(publisher))
@@ -163,10 +165,20 @@ def _type(facts: Facts) -> Found | None:
 
 
 def _late(facts: Facts) -> Found | None:
+    return _not_requested(facts) or _perhaps_missed(facts)
+
+
+def _not_requested(facts: Facts) -> Found | None:
+    """Find a subscription that does not ask for the messages that the publisher keeps."""
     volatile = [each for each in facts.subscriptions if not each.transient_local]
-    if facts.kept and not facts.received and volatile and all(each.lifespan == inf for each in facts.publishers):
-        saw = f"{_who(facts.publishers[0])} published before the doctor subscribed, and nothing since then."
-        return Found(f"{saw} {_who(volatile[0])} asks for VOLATILE.")
+    if not facts.kept or facts.received or not volatile or any(each.lifespan < inf for each in facts.publishers):
+        return None
+    saw = f"{_who(facts.publishers[0])} published before the doctor subscribed, and nothing since then."
+    return Found(f"{saw} {_who(volatile[0])} asks for VOLATILE.")
+
+
+def _perhaps_missed(facts: Facts) -> Found | None:
+    """Find a silent publisher that keeps no messages, so it may have published before anybody subscribed."""
     if not facts.silent or facts.publishers[0].transient_local or facts.topic in EVERY_NODE_HAS:
         return None
     is_usual = facts.topic.rpartition("/")[2] in ONCE
@@ -267,10 +279,13 @@ def _nobody(facts: Facts) -> Found | None:
     wanted = {each.type for each in facts.subscriptions}
     alike = [escape_name(each.name) for each in facts.topics if each.publishers and wanted.intersection(each.types)]
     parts = [f"Nobody publishes {escape_name(facts.topic)} in domain {facts.domain}{_elsewhere(facts)}."]
-    parts += [f"Topics of its type that somebody publishes: {_listed(alike)}."] * bool(alike)
-    parts += ["Programs on other machines are not visible in the range LOCALHOST."] * (facts.reach == "LOCALHOST")
+    if alike:
+        parts.append(f"Topics of its type that somebody publishes: {_listed(alike)}.")
+    if facts.reach == "LOCALHOST":
+        parts.append("Programs on other machines are not visible in the range LOCALHOST.")
     used = {each.domain for each in facts.programs if each.joined} - {facts.domain, *facts.looked_into}
-    parts += [f"Some of your other programs use domain {' or '.join(map(str, sorted(used)))}."] * bool(used)
+    if used:
+        parts.append(f"Some of your other programs use domain {' or '.join(map(str, sorted(used)))}.")
     return Found(" ".join(parts), weak=True)
 
 
