@@ -1,10 +1,10 @@
 """The exercise `ask`: ask two questions in a callback, and never wait for yourself.
 
 Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it asks
-`/open_door`, and then `/go_home` (both `Trigger`), which other programs offer.
+`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: no need to check.
 
 - If both succeed, it returns the response of `/go_home`.
-- If the door does not open, it does not ask `/go_home`, and returns the response of `/open_door`.
+- If `success` is False in the door's response, it does not ask `/go_home`, and returns the door's response.
 - All callbacks of the program's node run on one thread. This thread must not wait for a response.
 - Create the clients in `configure`. In `unconfigure`, when the controller leaves the body, the node destroys the
   service and the clients.
