@@ -47,7 +47,7 @@ class Run:
         thread: the thread.
         is_own: whether the thread belongs to the run, and ends with it.
         controller: the controller that was called last and may still be running; None while MuJoCo steps.
-        laps: a counter that increases between two steps, when no controller is running.
+        laps: a counter that is incremented between steps, when no controller is running.
         stopping: set to ask the run to end.
         finished: set when the run has ended or was abandoned.
         abandoned: whether another thread gave up on the run, which must then no longer touch the world.

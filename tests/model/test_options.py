@@ -12,7 +12,7 @@ JELLY = (
     '<worldbody><flexcomp name="f" type="grid" dim="3" count="3 3 3" mass="1"><elasticity young="1e4"/></flexcomp>'
     "</worldbody>"
 )
-SAID = "The models contradict each other in options that belong to the whole world: "
+SAID = "The models set different values for options that apply to the whole world: "
 
 VALUES = {
     **dict.fromkeys(OPTIONS, "3"),

@@ -164,7 +164,8 @@ CASES = [
          "You probably use a fixed time step. Use time_step."),
     Case("the first call, at full stick", last((1.0, 0.0, 1))),
     Case("a tenth of full stick", last((0.1, 0.0, 10)),
-         "You probably ignore small sticks, or use only the stick's sign. The reference moves by 0.002 * stick."),
+         "You probably ignore small deflections of the stick, or use only the deflection's sign. "
+         "The reference moves by 0.002 * stick."),
     Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
     Case("full stick, a joint with a different range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
          "You probably hard-code the ends of the range. Read them from joint.range."),

@@ -49,7 +49,7 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
 
 MISTAKES = [
     Mistake("you filter names or positions before zip, so the rest is "
-            "paired wrongly. Zip both first, then leave out pairs.",
+            "paired wrongly. Zip the two lists first, then filter the pairs.",
             replace("message.name, message.position", "[n for n in message.name if n in joint_names], message.position",
                     "message.name, [*filter(isfinite, message.position)]",
                     "message.name, [q for q in message.position if q == q]")),

@@ -123,8 +123,8 @@ MISTAKES = [
     Mistake("you report dropped messages only if no message moves a joint. More than half is enough.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved == facts.received")),
 ]  # fmt: skip
-MEANING = ("Compare your steps with these: without a publisher, domain or nobody. Then for each subscription "
-           "type, reliability and durability, over all publishers. Then clock or silent, "
+MEANING = ("Compare your steps with these: without a publisher, domain or nobody. Then, for each subscription: "
+           "type, reliability and durability, across all publishers. Then clock or silent, "
            "and finally dropped.")  # fmt: skip
 NAMES = "domain", "nobody", "type", "reliability", "durability", "clock", "silent", "dropped"
 A_NAME = f"Return one of {', '.join(map(repr, NAMES))}, or None."
@@ -224,7 +224,7 @@ CASES = [
          "You probably want each publisher to follow /clock, or check only one. One that follows /clock is enough."),
     Case("no message arrives, and only nodes with similar names follow /clock",
          graph(TANK, received=0, clock_users=("/tank2", "/tan")),
-         "You probably search for a part of a name. Compare whole names: each.node in facts.clock_users."),
+         "You probably match only part of the name. Compare whole names: each.node in facts.clock_users."),
     Case("messages arrive without a clock", graph(TANK, clock_users=("/tank",)),
          "You probably blame the clock although messages arrive. Also test received."),
     Case("no message moves a joint", graph(TANK, unmoved=20)),

@@ -265,7 +265,8 @@ CASES = [
     Case("messages of 0", shown(0.0, 0.0), "You probably treat 0 as missing. Publish each message."),
     Case("a message that arrives as soon as the relay subscribes", at_once,
          "You probably subscribe before the publisher exists. Create the subscription last."),
-    Case("two relays", shown(0.5, relays=2), "You probably keep something on the class. Set it on self, in __init__."),
+    Case("two relays", shown(0.5, relays=2),
+         "You probably store something as a class attribute, which all relays share. Set it on self, in __init__."),
 ]  # fmt: skip
 IMPORTS = ("from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data",)
 reach = Exercise("reach", __doc__, Cases(Relay, CASES, MISTAKES, MEANING, on_ros=on_ros), imports=IMPORTS)

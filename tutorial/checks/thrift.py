@@ -16,8 +16,8 @@ Hint 1: What do you compare each position with? With the one that you last sent 
 with the one from 20 ms ago. Compare each joint separately.
 
 Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at first, so all
-joints are new. In each due step, collect the joints that have moved. If there are any, send them, and store in the dict
-what you have sent.
+joints are new. In each step in which a message is due, collect the joints that have moved. If there are any, send them,
+and store in the dict what you have sent.
 
 Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
 0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then

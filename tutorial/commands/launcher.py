@@ -48,7 +48,9 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
         except ImportError as error:
             reason = str(error).removesuffix(".")
             fix = f"Run it with a real ROS 2: ros2 launch {path}"
-            raise TutorialError(f"{path} uses more than the tutorial's launch supports: {reason}. {fix}") from error
+            raise TutorialError(
+                f"{path} uses features that the tutorial's version of launch does not support: {reason}. {fix}"
+            ) from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {describe_error(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription) or not description.entities:

@@ -63,7 +63,7 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
             replay.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise TutorialError(f"the folder {replay} cannot be created: {error.strerror}.") from error
-    _check_pictures()  # before MuJoCo is imported here, which can fail, too
+    _check_pictures()  # before _project() imports MuJoCo, because that import can fail as well
     project = _project(line)
     entries: list[Entry] = []
     interrupted = until_asked(_race_all(drivers, project, line.stem, entries, scoreboard, replay, **how))

@@ -66,7 +66,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
     if not unused:
         return ""
     return (
-        f"The models contradict each other in options that belong to the whole world: {'; '.join(unused)}. "
+        f"The models set different values for options that apply to the whole world: {'; '.join(unused)}. "
         "Set them to the same values in all models, or in none."
     )
 

@@ -55,7 +55,7 @@ def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool
 
 
 def _handle_comms_between_cells(lock: Any) -> None:
-    """Make a kernel handle comm messages as ipykernel 7.3 does: on the main thread, only after the running cell.
+    """Handle comm messages as ipykernel 7.3 does: on the main thread, and only once the running cell has finished.
 
     ipykernel 7.4 handles them while an async cell runs, so that the cell can await a widget's reply
     (https://github.com/ipython/ipykernel/issues/646). If the cell ends in the meantime, the next cell's output and its

@@ -98,7 +98,9 @@ def _listen(ports: Sequence[int]) -> socket.socket:
         except OSError as error:
             reason = os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
-    raise TutorialError(f"the 3D view cannot use {which}: {reason}. Give a free port, or no port, to have one chosen.")
+    raise TutorialError(
+        f"the 3D view cannot use {which}: {reason}. Specify a free port, or omit the port to have one chosen."
+    )
 
 
 class _Protected(RequestHandler):

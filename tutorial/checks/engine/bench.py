@@ -1,4 +1,4 @@
-"""A bench: a learner's controller on a real rclpy's node, whose callbacks run on one thread, and a second program."""
+"""A bench: a learner's controller on a node of the real rclpy, all callbacks on one thread, plus a second program."""
 
 import sys
 import time
@@ -27,7 +27,8 @@ UNANSWERED = (
 NO_RETURN = "You probably forgot return. The callback of a service has to return a response, in every case."
 NOT_THERE = {
     "'Future'": "call_async returns a future, and not yet the response. Write await before it, in a coroutine.",
-    "'coroutine'": "A coroutine function returns its result only to those who await it. Write await before its call.",
+    "'coroutine'": "Calling a coroutine function doesn't give you its result until you await the call. "
+    "Write await before it.",
     "'NoneType'": "There is no response yet: a future has no result before it is done, and call returns None after its "
     "timeout. Await call_async in a coroutine.",
 }

@@ -11,7 +11,7 @@ from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.trial import Trial
 
 BEGAN = 1024.0  # [s] on the clock at its start; sums of powers of two are exact
-TURN = 2.0**-17  # [s] how long each turn of the loop takes, so that time also passes in a loop around sleep(0)
+TURN = 2.0**-17  # [s] how long each turn of the loop takes, so that time passes even while code loops on sleep(0)
 TURNS = 20  # turns after a timer: enough for the calls that it schedules, and for the calls that those schedule in turn
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # asyncio's own text

@@ -70,7 +70,7 @@ class Observations:
         return [each for each in self.all if each.is_odd]
 
     def place_of(self, what: str) -> Place | None:
-        """Return where the answer first used something, such as ``"clock"``, in an odd case."""
+        """Return where the answer first used something (such as ``"clock"``) in a case with an unexpected result."""
         return next((each.noted[what] for each in self.odd if what in each.noted), None)
 
 

@@ -22,7 +22,7 @@ FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports of each domain."""
 COMMAND = 60  # how many characters of a program's command the doctor shows
 EPHEMERAL = 32768  # from this port on, the system gives ports to any program
-FIRST_UNICAST = 10  # from this port of a domain upwards, every second port belongs to a participant
+FIRST_UNICAST = 10  # offset from a domain's first port; from here up, every second port belongs to a participant
 
 
 def reach() -> str:

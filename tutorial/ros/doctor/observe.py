@@ -142,7 +142,8 @@ class _Ear:
 class _Elsewhere(ExitStack):
     """Searches other domains for publishers of a topic, on the same middleware and in the same range.
 
-    In the range LOCALHOST, it joins only domains whose ports are in use. At the end of the context, it leaves them all.
+    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. At the end of the context,
+    it leaves them all.
     """
 
     def __init__(self, topic: str, domains: list[int]) -> None:

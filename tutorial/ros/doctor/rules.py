@@ -113,7 +113,7 @@ def _full(facts: Facts) -> Found | None:
     return Found(f"All {PLACES} places of domain {facts.domain} are taken, and {who} got none.")
 
 
-# Causes between a publisher and a subscription
+# Causes that involve a publisher and a subscription
 
 
 def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
@@ -280,7 +280,7 @@ def _nobody(facts: Facts) -> Found | None:
     alike = [escape_name(each.name) for each in facts.topics if each.publishers and wanted.intersection(each.types)]
     parts = [f"Nobody publishes {escape_name(facts.topic)} in domain {facts.domain}{_elsewhere(facts)}."]
     if alike:
-        parts.append(f"Topics of its type that somebody publishes: {_listed(alike)}.")
+        parts.append(f"Published topics of the same type: {_listed(alike)}.")
     if facts.reach == "LOCALHOST":
         parts.append("Programs on other machines are not visible in the range LOCALHOST.")
     used = {each.domain for each in facts.programs if each.joined} - {facts.domain, *facts.looked_into}
@@ -364,7 +364,7 @@ RULES: dict[str, Rule] = {
     "participants": Rule(
         "the domain is full",
         _full,
-        f"With Cyclone DDS, a domain has places for {PLACES} programs on a machine. The next one cannot start.",
+        f"With Cyclone DDS, a domain has room for only {PLACES} programs per machine. The next one cannot start.",
         "End programs that you no longer use, or start some of them in another domain.",
         command="export ROS_DOMAIN_ID=1",
         look="ss -ulnp",

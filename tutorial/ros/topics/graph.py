@@ -87,7 +87,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while any node has an empty name
         snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
-    with suppress(UnicodeDecodeError):  # a real rclpy lists no topics while any name is not UTF-8
+    with suppress(UnicodeDecodeError):  # a real rclpy lists no topics as long as one name is not valid UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
     services = getattr(node, "get_service_names_and_types", list)  # the pocket ROS 2 has no services
