@@ -43,7 +43,7 @@ test-slow: install ## only the tests that start processes, a browser or a build
 	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
 
 test-screen: install ## only the tests that look at a page over time, with nothing else on the machine
-	$(PYTEST) -n 2 -m screen tests
+	$(PYTEST) -n 2 -m "screen and not nightly" tests
 
 test-ros2: $(ON_ROS2) ## the tests that need a real ROS 2: that of make ros, and that of TANK_REAL_ROS2 if it is set
 

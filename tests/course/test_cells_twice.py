@@ -10,9 +10,9 @@ from real_ros import need_ros_for
 
 from tutorial.system.paths import HOME
 
-WAITS = "9_nothing_arrives"  # for messages that never arrive: five minutes for three runs
+LONG = {"8_bag_recorder", "9_nothing_arrives", "11_race"}  # for three runs, from one minute to five
 NOTEBOOKS = [
-    pytest.param(path, marks=pytest.mark.nightly if path.stem == WAITS else ())
+    pytest.param(path, marks=pytest.mark.nightly if path.stem in LONG else ())
     for path in sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))
 ]
 
