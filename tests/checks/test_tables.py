@@ -31,6 +31,7 @@ def test_each_mistake_is_diagnosed_as_itself(exercise, fault, domain):
 VIEWERS = {each: twins for each, twins in TABLES.items() if twins.cases.one_by_one}
 
 
+@pytest.mark.pocket  # on a real ROS 2 it takes minutes, and shows nothing else
 def test_each_requirement_of_a_viewer_refuses_something(domain):
     refusing = set()
     for exercise, twins in VIEWERS.items():

@@ -205,7 +205,7 @@ ASKED = [
 ]
 
 
-@pytest.fixture(params=["the real one", "the wheels"])
+@pytest.fixture(params=[pytest.param("the real one", marks=pytest.mark.nightly), "the wheels"])
 def answering(request, rmw):
     """Step 10's running simulation on a real ROS 2, the commands of ``ros2``, and those of ``tank``."""
     if request.param == "the real one":

@@ -1,5 +1,9 @@
 """State that an answer keeps outside its objects."""
 
+import pickle
+
+from rclpy.qos import qos_profile_sensor_data
+
 from tutorial.checks.engine.shared_state import SharedState, cause_of_sharing, outside, pickled
 
 KEPT = []
@@ -25,3 +29,7 @@ def test_changed_state_is_named():
 def test_state_outside_the_objects():
     assert {name for name, _ in outside(Keeps)} == {"Keeps.seen", "the default of the argument where"}
     assert pickled(KEPT)
+
+
+def test_a_qos_profile_reaches_the_process():
+    assert pickle.loads(pickled(qos_profile_sensor_data)) == qos_profile_sensor_data

@@ -25,7 +25,7 @@ if not REAL:
     pytest.skip("TANK_REAL_ROS2 is not set to a command that runs other commands on ROS 2", allow_module_level=True)
 
 
-@pytest.fixture(params=["rmw_cyclonedds_cpp", "rmw_fastrtps_cpp"])
+@pytest.fixture(params=[pytest.param("rmw_cyclonedds_cpp", marks=pytest.mark.nightly), "rmw_fastrtps_cpp"])
 def rmw(request, monkeypatch) -> str:
     monkeypatch.setenv("RMW_IMPLEMENTATION", request.param)
     return request.param

@@ -5,14 +5,19 @@ import inspect
 import io
 import threading
 from collections.abc import Iterator
+from functools import partial
 from types import CodeType, FunctionType
 from typing import Any
 
 import cloudpickle  # type: ignore[import-untyped, unused-ignore]
+from rclpy.duration import Duration
 
 from tutorial.checks.engine.answer import classes_of, functions_of
 
 _LOCKS = {type(make()): lambda _, make=make: (make, ()) for make in (threading.Lock, threading.RLock)}
+_DURATION = {Duration: lambda duration: (partial(Duration, nanoseconds=duration.nanoseconds), ())}
+"""A real rclpy cannot pickle a duration, and every QoS profile has some."""
+
 _NEW = object()
 _DEFAULT = "the default of the argument "
 
@@ -92,7 +97,7 @@ def _is_code(value: Any) -> bool:
 
 
 class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
-    dispatch_table = cloudpickle.Pickler.dispatch_table.new_child(_LOCKS)
+    dispatch_table = cloudpickle.Pickler.dispatch_table.new_child(_LOCKS | _DURATION)
 
 
 def pickled(value: Any) -> bytes:
