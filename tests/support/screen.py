@@ -11,7 +11,7 @@ from loops import until
 
 SEE = "**What you should see:**"
 HALF = 0.5  # of its area: then it counts as on the screen
-WHOLE = 0.95  # of its area: then it counts as whole
+WHOLE = 0.8  # of its area: then a new view counts as whole; what a cell prints below it may hide a strip at its top
 GLANCE = 0.1  # [s] from one glance to the next
 TOO_LONG = 3  # glances in which something moved off the screen
 NAMES = """
