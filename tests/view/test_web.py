@@ -107,7 +107,7 @@ def test_an_unavailable_port_is_reported_with_the_fix(monkeypatch):
         taken = other.getsockname()[1]
         monkeypatch.setattr(web, "PORTS", range(taken, taken + 1))
         for port in (taken, None):
-            with pytest.raises(TutorialError, match=f"cannot use port {taken}: address already in use. Give "):
+            with pytest.raises(TutorialError, match=f"cannot use port {taken}: address already in use. Specify "):
                 SceneServer(Scene(), port)
 
 
