@@ -48,7 +48,6 @@ PRELUDE = (
 NO_START, DRIVER_ENDED = "no start", "driver ended"
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] how long a driver can take to create its publisher; imports are slow on a loaded machine
-SETTLED = 0.5  # [s] how long the number of subscriptions has to stay the same before the race starts
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
 LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
@@ -220,7 +219,7 @@ def _own_domain() -> Iterator[None]:
 
 
 async def _meet(host: Host, driver: Driver) -> str:
-    """Wait until a driver has a publisher on ``/joy`` and makes no more subscriptions. Return a problem, or ""."""
+    """Wait until a driver has a publisher on ``/joy``. Return a problem, or ""."""
     deadline = time.monotonic() + MEET_FOR
     topic = host.node.resolve_topic_name("joy")
     while not host.node.count_publishers(topic):
@@ -228,11 +227,6 @@ async def _meet(host: Host, driver: Driver) -> str:
             return driver.how_it_ended()
         if time.monotonic() > deadline:
             return f"it has not created a publisher on {topic} within {MEET_FOR:g} s"
-        await asyncio.sleep(LOOK)
-    count, since = -1, 0.0
-    while time.monotonic() - since < SETTLED:
-        before, count = count, sum(each.get_subscription_count() for each in host.node.publishers)
-        since = since if count == before else time.monotonic()
         await asyncio.sleep(LOOK)
     return ""
 
