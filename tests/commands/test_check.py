@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import psutil
 import pytest
+from pictures import need_pictures
 from programs import TANK, need_sandbox_here, until
 
 from tutorial.checks.exercise import listing
@@ -182,6 +183,45 @@ def judging(program, tmp_path):
     assert not [process for process in below if process.is_running() and process.status() != psutil.STATUS_ZOMBIE]
 
 
+STANDS = """%%writefile my_driver.py
+import rclpy
+from sensor_msgs.msg import Joy
+rclpy.init()
+node = rclpy.create_node("driver")
+publisher = node.create_publisher(Joy, "/joy", 1)
+"""
+
+
+def test_drivers_get_scores(program, tmp_path):
+    need_pictures()
+    notebook(tmp_path / "anna.ipynb", STANDS + "rclpy.spin(node)", RIGHT)
+    notebook(tmp_path / "ben.ipynb", STANDS + "1 / 0")
+    running = program("check", tmp_path, "--layout", "hook", "--json")
+    assert running.ends() == 1
+    text = running.output
+    anna, ben = json.loads(text[text.index("{\n") : text.rindex("}") + 1])["notebooks"]
+    assert [(each["exercise"], each["verdict"], each["score"]) for each in anna["answers"]] == [
+        ("by_name", "right", None),
+        ("race", "scored", 0.0),
+    ]
+    assert anna["answers"][1]["cause"].startswith("stuck: 0% of the line, 10.0 s, ")
+    (race,) = ben["answers"]
+    assert (race["verdict"], race["score"], race["cause"]) == ("wrong", 0.0, "ZeroDivisionError: division by zero")
+    running.leaves_nothing()
+
+
+def test_ctrl_c_ends_a_race(program, tmp_path):
+    need_pictures()
+    path = notebook(tmp_path / "anna.ipynb", STANDS + "rclpy.spin(node)")
+    running = program("check", path)
+    running.says("race 1 of 1: anna.ipynb")
+    running.asks_to_stop()
+    assert running.ends() == 130
+    assert "The driver has not raced." in running.output
+    assert "Interrupted: 1 of 1 notebooks were not judged." in running.output
+    running.leaves_nothing()
+
+
 def test_ctrl_c_shows_partial_results_and_leaves_nothing(judging):
     judging.asks_to_stop()
     assert judging.ends() == 130
@@ -198,7 +238,7 @@ def test_an_answers_processes_share_one_memory_limit(monkeypatch, tmp_path):
     monkeypatch.setattr(submission, "MEMORY", 3 << 30)
     sixteen = "import os, time\n    for _ in range(4): os.fork()\n    time.sleep(10_000)"
     path = notebook(tmp_path / "olga.ipynb", AT_ONCE.format(sixteen), RIGHT)
-    verdicts = asyncio.run(submission.judge(path, LIMIT))
+    verdicts = asyncio.run(submission.judge(path, LIMIT)).verdicts
     assert (verdicts["aim"].cause, verdicts["by_name"].outcome) == (submission.BROKEN, "right")
 
 

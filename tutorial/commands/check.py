@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
 from collections.abc import Sequence
@@ -19,9 +18,7 @@ from tutorial.errors import TutorialError, printable
 from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
-    from tutorial.commands.checking.messages import Judged
-
-    Done = dict[Path, dict[str, Judged]]
+    from tutorial.commands.checking.run import Done
 
 TOGETHER = 2  # maximum number of notebooks that are judged at the same time
 LIMIT = 60.0  # [s] time limit for each answer
@@ -51,18 +48,35 @@ LIMIT = 60.0  # [s] time limit for each answer
 @click.option(
     "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
 )
-def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Any) -> int:
+@click.option(
+    "--layout", default="bend", show_default=True, help="Race along this line: a name, or a YAML file of points."
+)
+def check(
+    notebooks: tuple[Path, ...],
+    jobs: int,
+    limit: float,
+    as_json: bool,
+    no_sandbox: bool,
+    junit: Any,
+    layout: str,
+) -> int:
     """Check the answers in NOTEBOOKS, which are files or folders.
 
-    Only the answers and the definitions that they need are run, in a sandbox.
-    The exit status is 1 if any answer is wrong or could not be judged. Exercises that were not tried do not count.
+    Only the answers and the definitions that they need are run, in a sandbox. The drivers of step 11 get a score
+    instead of a verdict: they race one after another, each for at most 40 s.
+
+    The exit status is 1 if any answer is wrong, could not be judged, or is a driver that failed. Exercises that were
+    not tried do not count.
     """
     from rich.console import Console
 
     from tutorial.commands.checking import report
     from tutorial.commands.checking.messages import Outcome
+    from tutorial.commands.checking.run import NOT_RACED, judge_and_race
     from tutorial.commands.checking.sandbox import need_sandbox
+    from tutorial.system.paths import find_layout
 
+    line = find_layout(layout)
     if junit is not None:
         junit.open()  # a click LazyFile: fail before judging if it cannot be written
     paths = _found(notebooks)
@@ -72,7 +86,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         need_sandbox()
     names = _names(paths)
     done: Done = {}
-    interrupted = until_asked(_judge_all(names, jobs, limit, not no_sandbox, done))
+    interrupted = until_asked(judge_and_race(names, jobs, limit, not no_sandbox, line, done))
     results = [(names[path], done[path]) for path in paths if path in done]
     if as_json:
         print_text(json.dumps(report.as_json(results, not no_sandbox), indent=2) + "\n")
@@ -87,9 +101,10 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         except OSError as error:
             raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
-        print_text(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks were not judged.\n", err=True)
+        judged = sum(all(each.cause != NOT_RACED for each in verdicts.values()) for verdicts in done.values())
+        print_text(f"Interrupted: {len(paths) - judged} of {len(paths)} notebooks were not judged.\n", err=True)
         return INTERRUPTED
-    fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
+    fine = (Outcome.RIGHT, Outcome.NOT_TRIED, Outcome.SCORED)
     return int(any(judged.outcome not in fine for _, verdicts in results for judged in verdicts.values()))
 
 
@@ -107,24 +122,3 @@ def _names(paths: Sequence[Path]) -> dict[Path, str]:
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - keep a link's own name
     common = Path(os.path.commonpath([path.parent for path in absolute]))
     return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
-
-
-async def _judge_all(names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, done: Done) -> None:
-    """Judge notebooks, `jobs` at a time. Show a progress bar or, without a terminal, a line for each notebook."""
-    from tqdm import tqdm
-
-    from tutorial.commands.checking.submission import judge
-
-    turn = asyncio.Semaphore(jobs)
-    with tqdm(total=len(names), unit="notebook", disable=None, ascii=" =") as bar:
-
-        async def judge_one(path: Path) -> None:
-            async with turn:
-                done[path] = await judge(path, limit, is_sandboxed)
-            bar.update()
-            if bar.disable:
-                print_text(f"{len(done)} of {len(names)}: {names[path]}\n", err=True)
-
-        async with asyncio.TaskGroup() as group:
-            for path in names:
-                group.create_task(judge_one(path))

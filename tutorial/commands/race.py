@@ -63,8 +63,7 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
             replay.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise TutorialError(f"the folder {replay} cannot be created: {error.strerror}.") from error
-    _check_pictures()  # before _project() imports MuJoCo, because that import can fail as well
-    project = _project(line)
+    project = race_project(line)
     entries: list[Entry] = []
     interrupted = until_asked(_race_all(drivers, project, line.stem, entries, scoreboard, replay, **how))
     if entries:
@@ -118,8 +117,13 @@ async def _race_all(
             scoreboard.flush()
 
 
-def _project(line: Path) -> Project:
-    """Load the race project that came with the tutorial, not a learner's copy, and give it this line."""
+def race_project(line: Path) -> Project:
+    """Load the race project that came with the tutorial, not a learner's copy, and give it this line.
+
+    Raises:
+        TutorialError: this machine cannot render the camera's pictures, or the line is not valid.
+    """
+    _check_pictures()  # first, because importing MuJoCo can fail as well
     from tutorial import ros_backend
     from tutorial.program.project import Project
     from tutorial.system.paths import original

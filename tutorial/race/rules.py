@@ -60,11 +60,16 @@ class Result:
         """Return the attributes and the score, for JSON."""
         return {"score": round(self.score, 2), **asdict(self)}
 
+    @property
+    def course(self) -> str:
+        """The course of the race, such as ``stuck: 72% of the line, 19.2 s, 0 contacts``."""
+        contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
+        state = f"{self.progress:.0%} of the line, {self.seconds:.1f} s, {contacts}"
+        return f"{self.foul or self.end}: {state}" if self.end else state
+
     def __str__(self) -> str:
         """Return the state as the line below the view shows it."""
-        contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
-        state = f"{self.progress:.0%} of the line, {self.seconds:.1f} s, {contacts}, {self.score:.1f} points"
-        return f"{self.foul or self.end}: {state}" if self.end else state
+        return f"{self.course}, {self.score:.1f} points"
 
 
 class Race:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tutorial.commands.checking.answers import cells_of, find_answers
+from tutorial.commands.checking.answers import cells_of, find_answers, find_driver
 from tutorial.system.paths import HOME
 
 EXERCISES = {"aim": "HeldJoint", "by_name": "match_by_name"}
@@ -102,3 +102,13 @@ def test_the_courses_notebooks_have_answers():
     found = find_answers(cells, names)
     assert [answer.exercise for answer in found] == ["aim", "drive"]
     assert all(len(answer.statements) <= 2 for answer in found)
+
+
+def test_the_last_cell_that_writes_the_driver_counts():
+    cells = ["%%writefile my_driver.py\nfirst = 1\n", "\n%%file 'my_driver.py' \nsecond = 2\n\nthird = 3", "x = 1"]
+    assert find_driver(cells) == "second = 2\n\nthird = 3"
+
+
+@pytest.mark.parametrize("cell", ["%%writefile straight.py\n1", "x = '%%writefile my_driver.py'\n", ""])
+def test_other_cells_write_no_driver(cell):
+    assert find_driver([cell]) == ""

@@ -1,5 +1,6 @@
 """Reporting answers that cannot be judged, by name."""
 
+import asyncio
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from tutorial.checks.engine.verdict import Verdict, right, wrong
 from tutorial.checks.tank_controller import aim
 from tutorial.commands.check import _names
+from tutorial.commands.checking import submission
 from tutorial.commands.checking._child import _judge
 from tutorial.commands.checking.answers import find_answers
 from tutorial.commands.checking.messages import FORGED, Judged, Outcome
@@ -34,6 +36,15 @@ def test_without_a_free_domain_no_answer_is_blamed(monkeypatch):
 def test_a_fake_right_is_not_judged(text, cause):
     judged = Judged(Outcome.RIGHT, cause, text)
     assert (judged.outcome, judged.cause) == (Outcome.NOT_JUDGED, FORGED)
+
+
+def test_an_answer_cannot_give_itself_a_score(monkeypatch, tmp_path):
+    async def told(*_args):
+        return Judged(Outcome.SCORED, score=100.0)
+
+    monkeypatch.setattr(submission, "_told", told)
+    judged = asyncio.run(submission._judge_one(tmp_path, "aim", 1.0, True))
+    assert (judged.outcome, judged.cause, judged.score) == (Outcome.NOT_JUDGED, FORGED, None)
 
 
 def test_a_right_answer_may_print_a_cross():

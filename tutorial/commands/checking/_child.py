@@ -18,7 +18,7 @@ import msgspec
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.engine.verdict import Verdict
 from tutorial.checks.exercise import NOT_YET, Exercise
-from tutorial.commands.checking.answers import Answer, cells_of, find_answers
+from tutorial.commands.checking.answers import Answer, cells_of, find_answers, find_driver
 from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import limit
 from tutorial.errors import TutorialError
@@ -35,8 +35,8 @@ def main() -> NoReturn:
     limit(int(seconds), is_sandboxed == "True")
     threading.Thread(target=_end_with_the_teacher, name="parent watch", daemon=True).start()
     known = {each.name: each for those in exercises().values() for each in those}
-    answers, problem = _open(int(notebook), known)
-    message = _judge(known[exercise[0]], answers[exercise[0]]) if exercise else Opened(list(answers), problem)
+    answers, driver, problem = _open(int(notebook), known)
+    message = _judge(known[exercise[0]], answers[exercise[0]]) if exercise else Opened(list(answers), problem, driver)
     with os.fdopen(report, "wb") as file:
         file.write(msgspec.json.encode(message) + b"\n")
     os._exit(0)
@@ -49,15 +49,15 @@ def _end_with_the_teacher() -> None:
     os._exit(1)  # the sandbox's first process survives its own signal; when it exits, all other processes end
 
 
-def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str]:
-    """Return a notebook's answers by exercise, and the problem with the file, if any."""
+def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str, str]:
+    """Return a notebook's answers by exercise, its driver, and the problem with the file, if any."""
     try:
         with open(notebook, encoding="utf-8") as file:
             cells = cells_of(file.read())
         answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
     except Exception as error:  # noqa: BLE001 - the file can be anything
-        return {}, f"not a notebook: {type(error).__name__}: {error}"
-    return {answer.exercise: answer for answer in answers}, ""
+        return {}, "", f"not a notebook: {type(error).__name__}: {error}"
+    return {answer.exercise: answer for answer in answers}, find_driver(cells), ""
 
 
 def _judge(exercise: Exercise, answer: Answer) -> Judged:

@@ -18,6 +18,8 @@ from typing import Any, NamedTuple
 CHECKS = "tutorial.checks."
 MAGIC = re.compile(r"^([^\S\n]*)(?:[%!?].*|.*\?)$", re.MULTILINE)
 """A line in IPython's own syntax."""
+WRITES_DRIVER = re.compile(r"\s*%%(?:writefile|file)[^\S\n]+['\"]?my_driver\.py['\"]?[^\S\n]*\n(.*)", re.DOTALL)
+"""A cell that writes the driver for the race."""
 _BINDING = (
     *(ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign),
     *(ast.AugAssign, ast.If, ast.Try),
@@ -100,6 +102,12 @@ def cells_of(text: str) -> list[str]:
         Exception: the text is not a notebook.
     """
     return ["".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+
+
+def find_driver(cells: Sequence[str]) -> str:
+    """Return the driver for the race, from the last cell that writes ``my_driver.py``; empty if there is none."""
+    written = filter(None, map(WRITES_DRIVER.fullmatch, cells))
+    return next((match[1] for match in reversed([*written])), "")
 
 
 def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Answer]:

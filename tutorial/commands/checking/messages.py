@@ -17,6 +17,7 @@ class Outcome(StrEnum):
     WRONG = "wrong"
     NOT_TRIED = "not tried"
     NOT_JUDGED = "not judged"
+    SCORED = "scored"
 
 
 class Opened(msgspec.Struct):
@@ -25,10 +26,12 @@ class Opened(msgspec.Struct):
     Attributes:
         exercises: the notebook's exercises, in order.
         problem: why the notebook cannot be read; otherwise empty.
+        driver: the program for the race; can be empty.
     """
 
     exercises: list[str]
     problem: str = ""
+    driver: str = ""
 
     def __post_init__(self) -> None:
         """Escape control characters, both in new messages and in received ones."""
@@ -42,11 +45,17 @@ class Judged(msgspec.Struct):
         outcome: the verdict.
         cause: if the answer is not right, the most likely cause, as a sentence.
         text: the text that a learner sees.
+        score: the points of a race, 0 to 100; None for any other answer.
     """
 
     outcome: Outcome
     cause: str = ""
     text: str = ""
+    score: float | None = None
+
+    def __str__(self) -> str:
+        """Return the verdict as the table shows it, such as ``right`` or ``43.2 points``."""
+        return self.outcome if self.score is None else f"{self.score:.1f} points"
 
     def __post_init__(self) -> None:
         """Escape control characters, both in new messages and in received ones, and detect forged verdicts.

@@ -14,7 +14,13 @@ from tutorial.commands.checking.messages import Judged, Outcome
 Results = Sequence[tuple[str, dict[str, Judged]]]
 """Each notebook's name and verdicts, as returned by `judge`."""
 
-STYLES = {Outcome.RIGHT: "green", Outcome.WRONG: "red", Outcome.NOT_TRIED: "dim", Outcome.NOT_JUDGED: "yellow"}
+STYLES = {
+    Outcome.RIGHT: "green",
+    Outcome.WRONG: "red",
+    Outcome.NOT_TRIED: "dim",
+    Outcome.NOT_JUDGED: "yellow",
+    Outcome.SCORED: "green",
+}
 
 NO_SANDBOX = "There was no sandbox: the answers could read, change and send everything that you can."
 
@@ -30,7 +36,7 @@ def table(results: Results) -> Table:
         if not verdicts:
             columns.add_row(Text(name), "", Text("no exercise", "dim"), "")
         for i, (exercise, judged) in enumerate(verdicts.items()):
-            verdict = Text(judged.outcome, STYLES[judged.outcome])
+            verdict = Text(str(judged), STYLES[judged.outcome])
             columns.add_row(Text("" if i else name), Text(exercise), verdict, Text(judged.cause))
     return columns
 
@@ -44,7 +50,7 @@ def summary(results: Results, is_sandboxed: bool) -> list[str]:
     lines = [f"{_count(len(results), 'notebook')}, {said}."]
     if problems := sum("" in verdicts for _, verdicts in results):
         lines.append(f"{_count(problems, 'notebook')} could not be judged.")
-    causes = Counter((exercise, judged.cause) for exercise, judged in answers if judged.cause)
+    causes = Counter((name, each.cause) for name, each in answers if each.cause and each.outcome is not Outcome.SCORED)
     for (exercise, cause), times in causes.most_common(1):
         lines.append(f"The most frequent cause ({_count(times, 'answer')} to {exercise}): {cause}")
     if not is_sandboxed:
@@ -65,7 +71,13 @@ def as_json(results: Results, is_sandboxed: bool) -> dict[str, Any]:
                 "notebook": name,
                 "problem": verdicts[""].cause if "" in verdicts else "",
                 "answers": [
-                    {"exercise": exercise, "verdict": judged.outcome, "cause": judged.cause, "text": judged.text}
+                    {
+                        "exercise": exercise,
+                        "verdict": judged.outcome,
+                        "score": judged.score,
+                        "cause": judged.cause,
+                        "text": judged.text,
+                    }
                     for exercise, judged in verdicts.items()
                     if exercise
                 ],
@@ -86,5 +98,7 @@ def as_junit(results: Results) -> bytes:
             case = ElementTree.SubElement(suite, "testcase", classname=name, name=exercise or "notebook")
             if judged.outcome in kinds:
                 ElementTree.SubElement(case, kinds[judged.outcome], message=judged.cause).text = judged.text
+            elif judged.score is not None:
+                ElementTree.SubElement(case, "system-out").text = f"{judged}: {judged.text}"
     ElementTree.indent(suites)
     return bytes(ElementTree.tostring(suites, encoding="utf-8", xml_declaration=True))

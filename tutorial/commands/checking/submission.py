@@ -9,12 +9,12 @@ import sys
 import tempfile
 from contextlib import suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import msgspec
 import psutil
 
-from tutorial.commands.checking.messages import Judged, Opened, Outcome
+from tutorial.commands.checking.messages import FORGED, Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import sandbox
 from tutorial.system.parent_watch import signal_group
 from tutorial.system.paths import PACKAGE
@@ -37,19 +37,29 @@ KEPT = (
 T = TypeVar("T", Judged, Opened)
 
 
-async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str, Judged]:
+class Submission(NamedTuple):
+    """What a learner has handed in.
+
+    Attributes:
+        verdicts: the verdicts by exercise name, in the notebook's order. A problem with the notebook itself is the
+            first entry, under "".
+        driver: the program for the race; can be empty.
+    """
+
+    verdicts: dict[str, Judged]
+    driver: str
+
+
+async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submission:
     """Judge a notebook's answers, each in a separate process.
 
     Args:
         path: the notebook.
         limit: the time limit per answer [s].
         is_sandboxed: whether to use a sandbox.
-
-    Returns:
-        The verdicts by exercise name, in the notebook's order. A problem with the notebook itself is the first entry,
-        under "".
     """
     judged: dict[str, Judged] = {}
+    driver = ""
     if not path.is_file():
         problem = "it is not a file"
     elif path.stat().st_size > LARGEST:
@@ -57,23 +67,26 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str
     else:
         try:
             opened = await _told(Opened, path, limit, is_sandboxed)
-            problem = opened.problem
+            problem, driver = opened.problem, opened.driver
             for exercise in opened.exercises:
                 judged[exercise] = await _judge_one(path, exercise, limit, is_sandboxed)
         except (EOFError, TimeoutError, ValueError, RecursionError):
             problem = UNREAD
         except OSError as error:
             problem = f"it cannot be judged: {error.strerror}"
-    return ({"": Judged(Outcome.NOT_JUDGED, problem, problem)} if problem else {}) | judged
+    return Submission(({"": Judged(Outcome.NOT_JUDGED, problem, problem)} if problem else {}) | judged, driver)
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
     """Judge one answer; the verdict reports an answer that takes too long, or that ends or disturbs its process."""
     try:
-        return await _told(Judged, path, limit, is_sandboxed, exercise)
+        judged = await _told(Judged, path, limit, is_sandboxed, exercise)
     except (EOFError, TimeoutError, ValueError, RecursionError) as error:
         why = {EOFError: BROKEN, TimeoutError: ENDLESS.format(limit=limit)}.get(type(error), DISTURBED)
         return Judged(Outcome.NOT_JUDGED, why, why)
+    if judged.outcome is Outcome.SCORED or judged.score is not None:  # only a race has a score
+        return Judged(Outcome.NOT_JUDGED, FORGED, judged.text)
+    return judged
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
@@ -93,7 +106,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process has exited
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
-            limit=1 << 16,  # bytes per message
+            limit=1 << 18,  # bytes per message
             pass_fds=[file.fileno()],
             start_new_session=True,
             cwd=folder,

@@ -1,0 +1,91 @@
+"""Judges the answers in notebooks, then scores their drivers for the race, and shows the progress."""
+
+# ruff: noqa: PLC0415 - only races need MuJoCo
+
+import asyncio
+import tempfile
+from pathlib import Path
+
+from tqdm import tqdm
+
+from tutorial.commands.checking.messages import Judged, Outcome
+from tutorial.commands.checking.submission import judge
+from tutorial.commands.race import race_project
+from tutorial.errors import TutorialError
+from tutorial.program.project import Project
+from tutorial.race.rules import LIMIT
+from tutorial.system.printing import print_text
+
+Done = dict[Path, dict[str, Judged]]
+"""The verdicts by notebook and exercise. The driver's is under ``race``."""
+
+RACE = "race"
+NOT_RACED = "The driver has not raced."
+
+
+async def judge_and_race(
+    names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, line: Path, done: Done
+) -> None:
+    """Judge notebooks, `jobs` at a time. Then race their drivers one by one, because a race needs the whole machine.
+
+    Show a progress bar or, without a terminal, a line for each notebook and race.
+
+    Args:
+        names: the notebooks, with the names to show.
+        jobs: how many notebooks to judge at the same time.
+        limit: the time limit per answer [s].
+        is_sandboxed: whether to use a sandbox.
+        line: the YAML file of the line to race along.
+        done: receives the verdicts. It is complete for each notebook in it, even if this is cancelled.
+    """
+    drivers = await _judge_all(names, jobs, limit, is_sandboxed, done)
+    if not drivers:
+        return
+    try:
+        project = race_project(line)
+    except TutorialError as error:
+        for path in drivers:
+            done[path][RACE] = Judged(Outcome.NOT_JUDGED, str(error), str(error))
+        return
+    with tqdm(total=len(drivers), unit="race", disable=None, ascii=" =") as bar:
+        for number, (path, driver) in enumerate(drivers.items(), 1):
+            if bar.disable:
+                print_text(f"race {number} of {len(drivers)}: {names[path]}\n", err=True)
+            done[path][RACE] = await _score(driver, project, line.stem, is_sandboxed)
+            bar.update()
+
+
+async def _judge_all(
+    names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, done: Done
+) -> dict[Path, str]:
+    """Judge the answers, and return the drivers in the order of the notebooks."""
+    drivers: dict[Path, str] = {}
+    turn = asyncio.Semaphore(jobs)
+    with tqdm(total=len(names), unit="notebook", disable=None, ascii=" =") as bar:
+
+        async def judge_one(path: Path) -> None:
+            async with turn:
+                done[path], drivers[path] = await judge(path, limit, is_sandboxed)
+            if drivers[path]:
+                done[path][RACE] = Judged(Outcome.NOT_JUDGED, NOT_RACED, NOT_RACED)
+            bar.update()
+            if bar.disable:
+                print_text(f"{len(done)} of {len(names)}: {names[path]}\n", err=True)
+
+        async with asyncio.TaskGroup() as group:
+            for path in names:
+                group.create_task(judge_one(path))
+    return {path: drivers[path] for path in names if drivers[path]}
+
+
+async def _score(driver: str, project: Project, layout: str, is_sandboxed: bool) -> Judged:
+    """Run a race. The verdict is ``wrong``, with the score, if the driver failed or the race was not fair."""
+    from tutorial.commands.racing import Options, race
+
+    options = Options(html=None, view=False, limit=LIMIT, loud=False, is_sandboxed=is_sandboxed)
+    with tempfile.TemporaryDirectory(prefix="tank-check-") as folder:
+        path = Path(folder, "my_driver.py")
+        path.write_bytes(driver.encode("utf-8", "surrogatepass"))
+        entry = await race(path, project, layout, options)
+    course, outcome = entry.result.course, Outcome.WRONG if entry.note else Outcome.SCORED
+    return Judged(outcome, entry.note or course, course, entry.result.score)
