@@ -13,9 +13,9 @@ never raises an exception, and it leaves the message unchanged.
 Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis? It can be
 missing, not finite, too large or too small.
 
-Hint 2: The slice axes[:4] has four axes, or fewer if the message has fewer. Append zeros to it, and take the first four
-of the result. Then go through those four. Check isfinite first, because NaN is neither smaller nor larger than any
-number, and clamp the finite ones with max and min.
+Hint 2: The slice axes[:4] has four axes, or fewer if the message has fewer. Append zeros to it, and use the first four
+numbers of the result. Then go through these four numbers. Check isfinite first, because NaN is neither smaller nor
+larger than any number, and clamp the finite numbers with max and min.
 
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
@@ -102,7 +102,7 @@ def million(trial: Trial) -> list[float]:
     """Observe the result for a million axes.
 
     Raises:
-        Misuse: the answer reads or copies more than a few of them.
+        Misuse: the answer reads or copies more than a few axes.
     """
     axes, message = Million("f", array("f", FOUR) * (MILLION // len(FOUR))), Joy()
     message._axes = axes  # the property would convert them to a plain array

@@ -55,7 +55,7 @@ def replace(old: str, *new: str) -> Ways:
     The new text can use any name from the exercise's module, `asyncio`, `functools`, `math` and `itertools`.
 
     Args:
-        old: the part. All its occurrences are replaced.
+        old: the part to replace. All its occurrences are replaced.
         new: the replacements. Their second and later lines are indented like the line that contains `old`.
     """
     return tuple((Edit(old, each),) for each in new)
@@ -145,7 +145,8 @@ class Cases:
         meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
         describe: describes an observation.
         beside: functions of the solution's module that mistakes can also change.
-        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it may read it.
+        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if answers may read the
+            clock.
         on_ros: tries a right answer with rclpy's own node, and describes the result.
         one_by_one: whether the first wrong observation stops the check.
     """

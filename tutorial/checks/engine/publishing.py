@@ -93,7 +93,7 @@ class Publishing:
 
     @property
     def wrong_steps(self) -> str:
-        """The meaning of a case whose messages are too frequent or too rare."""
+        """The meaning of a case with too many or too few messages."""
         return (
             "You probably hard-code the number of steps, truncate it, leave it unrounded, "
             "or measure time instead of counting steps. "
@@ -128,7 +128,7 @@ class Publishing:
         return rig
 
     def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Run:
-        """Observe the content of the messages, or some other property."""
+        """Observe the content of the messages, or another property of them."""
         return lambda trial: self.held(self.play(trial, seconds, **options), look)
 
     def held(self, rig: Rig, look: Look | None = None) -> Any:
@@ -192,7 +192,7 @@ class Publishing:
         return [self.often(rig), self.held(rig)]
 
     def two(self, trial: Trial, **options: Any) -> Any:
-        """Observe two robots that take turns."""
+        """Observe two robots whose simulations run alternately."""
         rover = self.scene(trial, time_step=0.01, **options)
         lift = self.scene(trial, time_step=0.02, **{"model": "crane", "name": "Lift", **options})
         for rig in (rover, lift):

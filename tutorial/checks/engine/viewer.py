@@ -67,7 +67,7 @@ class Viewer:
             up to date.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this.
+        Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this error.
     """
 
     def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:

@@ -1,4 +1,4 @@
-"""Viewing: the cases shared by all exercises about viewers, and steps to build them from."""
+"""Viewing: the cases shared by all exercises about viewers, and the steps from which they are built."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -99,7 +99,7 @@ def viewing(
         solution: the right answer.
         topic: the topic of the subscription, without the body's name.
         message: a message that a right answer receives at the end, through rclpy's own node.
-        arrivals: steps that deliver messages; the last one comes from `hands_over`.
+        arrivals: steps that deliver messages; the last step comes from `hands_over`.
         cases: the exercise's own cases, in order.
         post: the solution's statement that posts a call.
         may_ask_clock: whether an answer may read the computer's clock.
