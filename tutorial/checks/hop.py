@@ -87,7 +87,7 @@ class HopViewer(SimpleController):
             self.move(self.place)
 
     def move(self, position: ArrayLike) -> None:
-        """Put the body at a position, and have it drawn."""
+        """Put the body at a position, and update the view."""
         self.body.position = position
         self.body.calc_forward_kinematics()
         self.body.notify_change()
@@ -154,7 +154,7 @@ def land(hall: Hall) -> None:
 
 
 def wait(hall: Hall) -> None:
-    """Let less than half a second pass."""
+    """Wait for less than half a second."""
     hall.drain(0.375)
 
 

@@ -1,7 +1,7 @@
 """The exercise `reach`: connect two incompatible programs.
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
-volatile. The program of a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
+volatile. The program for a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
 `TRANSIENT_LOCAL`, because it often starts late. You can change neither. A `QoSProfile(depth=...)` is `RELIABLE` by
 default; here, any depth will do.
 
@@ -13,7 +13,7 @@ subscription and a publisher on it.
 - `on_joint_state` is the callback. It publishes immediately, and creates no publisher or subscription: subscriptions
   take time to discover a publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
-- A screen that starts late gets the robot's newest message, even if no screen was there before, and however old the
+- A screen that starts late gets the robot's newest message, even if no screen was connected before, and however old the
   message is.
 
 Hint 1: Look at both connections separately. In each, one side offers and the other asks. What is the most that the
@@ -214,7 +214,7 @@ def message_of(angle: float) -> JointState:
 
 
 def shown(*angles: float, relays: int = 1, screens: int = 1) -> Run:
-    """Observe what the screen shows of some messages: the number in each, and whether it has changed."""
+    """Observe what the screen shows of some messages: each message's number, and whether the message has changed."""
 
     def run(trial: Trial) -> list[str]:
         wirings = [Wiring(trial, screens=screens) for _ in range(relays)]

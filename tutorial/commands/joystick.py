@@ -33,7 +33,7 @@ class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class ScriptedDrive:
-    """A drive scripted in a YAML file: a list of times, each with the axes from then on.
+    """A drive scripted in a YAML file: a list of times, each with the axes that apply from that time on.
 
     Args:
         path: the file. With ``repeat: true`` the drive restarts at the time of its last entry.
@@ -94,8 +94,8 @@ class Gamepad:
     def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad only has current values
         """Return the current axes and buttons, as the ROS 2 joy package's ``game_controller_node`` publishes them.
 
-        In SDL, right and backward are positive. That node inverts every axis: left and forward are positive, and a
-        trigger goes from 0 to -1.
+        In SDL, right and backward are positive. The ``game_controller_node`` inverts every axis: left and forward are
+        positive, and a trigger goes from 0 to -1.
         """
         import pygame  # noqa: PLC0415
 

@@ -103,7 +103,7 @@ async def _race_all(
     sandbox: bool,
     limit: float,
 ) -> None:
-    """Run one race after another, because two at a time would slow each other down."""
+    """Run one race after another, because two simultaneous races would slow each other down."""
     from tutorial.commands.racing import Options, race
 
     for number, path in enumerate(drivers, start=1):

@@ -90,7 +90,7 @@ class StampPairs:
         self.newest: tuple[int, int] | None = None  # the stamp of the last pair
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Add the next message of a stream. Return the joints and the pose of its stamp; None if one is missing."""
+        """Add the next message of a stream. Return the joints and pose with its stamp; None if either is missing."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         if stamp == self.newest:
             self.leave_out(REPEATED)

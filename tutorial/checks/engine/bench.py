@@ -97,7 +97,10 @@ class Bench:
             getattr(self.learner, method)(*arguments)
 
     def serve(self, **replies: str) -> None:
-        """Offer a service for each keyword, and wait for clients. It succeeds unless its reply begins with "no"."""
+        """Offer a service for each keyword, and wait for clients.
+
+        A service succeeds unless its reply begins with "no".
+        """
         for name, reply in replies.items():
 
             def answer(_request: Any, response: Any, name: str = name, reply: str = reply) -> Any:

@@ -119,7 +119,8 @@ def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Ans
 
     Returns:
         An answer for each exercise that the notebook imports, checks or answers, in the order of the checks. If a check
-        is called several times, the last call with the answer's name counts, or the last call if none has it.
+        is called several times, the last call with the answer's name is used, or the last call if no call has this
+        name.
     """
     nodes: list[tuple[ast.stmt, str]] = []
     unreadable: dict[str, tuple[str, str]] = {}
@@ -161,7 +162,10 @@ def _answer(
 
 
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
-    """Collect the statements that define names, recursively. For each name, prefer those before a position, if any."""
+    """Collect the statements that define names, recursively.
+
+    For each name, prefer the statements before a position, if there are any.
+    """
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)
     while waiting:
@@ -219,7 +223,7 @@ def _statement(node: ast.stmt, file: str) -> _Statement:
 
 
 def _compiles(node: ast.stmt) -> bool:
-    """Return whether a statement compiles here; one with a top-level ``await`` does so only in a notebook."""
+    """Return whether a statement compiles here; a top-level ``await`` compiles only in a notebook."""
     try:
         compile(ast.Module([node], []), "cell", "exec", dont_inherit=True)
     except SyntaxError:
