@@ -1,4 +1,4 @@
-"""Reads a YAML file of points as a model: a line on the laboratory's floor, which is visible but touches nothing."""
+"""Reads a YAML file of points as a model: a line on the laboratory's floor, which is visible but has no collisions."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -38,7 +38,7 @@ def read_line(path: Path) -> mujoco.MjSpec | None:
         file's name does not end in ``.yaml``.
 
     Raises:
-        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error names
+        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error gives
             the line of the file, and the fix.
     """
     if path.suffix != SUFFIX:
@@ -102,7 +102,7 @@ def _piece(ends: NDArray[np.float64], slopes: NDArray[np.float64], chord: float)
 
     Args:
         ends: its start and end [m], shape (2, 2).
-        slopes: its derivatives at both with respect to the length along the chord, shape (2, 2).
+        slopes: its derivatives at both ends with respect to the length along the chord, shape (2, 2).
         chord: the distance between start and end [m].
     """
     start, end = ends

@@ -1,4 +1,4 @@
-"""Sends MuJoCo's warnings to the log. By default, MuJoCo prints them, and writes a file into the user's folder."""
+"""Sends MuJoCo's warnings to the log. By default, MuJoCo prints them and writes them to a file in the user's folder."""
 
 import logging
 import time

@@ -112,7 +112,7 @@ class Program:
     def start(self) -> None:
         """Run the simulation in real time until `stop` is called. Idempotent.
 
-        After a few minutes without the notebook's page, the simulation is paused, and the view says so.
+        After a few minutes without the notebook's page, the simulation is paused, and the view shows this.
 
         Raises:
             TutorialError: the program only displays, or was closed.
