@@ -42,7 +42,8 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
         message: the message; its type must be right, but its fields can contain anything.
 
     Returns:
-        The position [rad or m] of each joint with a usable number (the last one if it has several), and the report.
+        The position [rad or m] of each joint with a usable number (the last number if a joint has several), and the
+        report.
     """
     ranges, names, positions = _ranges(joints), message.name, message.position
     unknown = [name for name in names if name not in ranges]
@@ -72,7 +73,7 @@ class NameList(NamedTuple):
 
     @classmethod
     def of(cls, names: Sequence[str]) -> NameList:
-        """Count the names and keep the first few, each truncated to 40 characters."""
+        """Count the names and store the first few, each truncated to 40 characters."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
@@ -213,8 +214,8 @@ class _Publishers:
 
     If there are as many separate sets of joints as publishers, no joint is shared, unless a joint keeps jumping back
     and forth. Otherwise a message comes from a rival if it is older than the last one, more than 10 s newer, or makes a
-    joint jump. Once a single rival's position of the joint is known, only a jump to that position counts. If the
-    publishers agree, all of them are shown.
+    joint jump. Once a single rival's position of the joint is known, only a jump to that position indicates a rival. If
+    the publishers agree, all of them are shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:

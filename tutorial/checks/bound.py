@@ -5,7 +5,7 @@ four numbers from -1 to 1, whatever the message contains:
 
 - An axis outside the range from -1 to 1 is clamped: 1.5 counts as 1, and -3 as -1.
 - An axis that is not finite (NaN or an infinity) counts as 0. So does a missing axis.
-- A bad axis does not affect the others.
+- A bad axis does not affect other axes.
 
 The control loop calls it a thousand times a second, so it must not take longer for a million axes than for four. It
 never raises an exception, and it leaves the message unchanged.

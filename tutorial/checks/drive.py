@@ -11,8 +11,8 @@ stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, p
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
 - In `unconfigure`, when the controller leaves the body, the node destroys the subscription.
 
-Mind the threads: the callback runs on the executor's thread, `control` on the simulation's thread. So only `control`
-sets the tracks.
+Mind the threads: the callback runs on the executor's thread, `control` on the simulation's thread. Only `control` may
+set the tracks.
 
 Hint 1: Which thread calls on_joy, and which one calls control? How does the message get from one thread to the other?
 And what does control find before the first message, or in a message with too few axes?

@@ -17,7 +17,7 @@ One compatible publisher is enough for a subscription. In each graph, at most on
 publisher. `clock_users` holds the full names of nodes, such as `"/tank"`.
 
 Hint 1: Look at the list of causes: without a publisher, only two are possible. And one compatible publisher is
-enough for a subscription, so look at all publishers before you blame one.
+enough for a subscription, so look at all publishers before you return a cause.
 
 Hint 2: Return early. Start with the two causes that apply without a publisher. Then narrow down the publishers for each
 subscription: first to those of its type, then to those that are also reliable enough, then to those that are also
@@ -159,7 +159,7 @@ def named(trial: Trial, facts: Facts) -> str:
     """Call the answer, and return the name of the cause.
 
     Raises:
-        Misuse: there is no cause with the returned name, or the answer prints the right name instead of returning it.
+        Misuse: no cause has the returned name, or the answer prints the right name instead of returning it.
     """
     with redirect_stdout(StringIO()) as printed:
         returned = trial.call(trial.answer, facts)

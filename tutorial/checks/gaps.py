@@ -15,7 +15,7 @@ Hint 1: What do you compare each stamp with? Not with the previous stamp, which 
 stamp so far. And the bag's own times don't show when a message was made.
 
 Hint 2: Keep the newest stamp in a variable, None before the first message. Time.from_msg of rclpy.time turns a stamp
-into whole nanoseconds. Then there are three cases: far ahead, far back, and everything else.
+into whole nanoseconds. Then distinguish three cases: far ahead, far behind, and everything else.
 
 Hint 3: In the loop: if newest is None, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
 newest - stamp > 1_000_000_000, append a restart; after either, newest = stamp. Otherwise newest = max(newest, stamp).

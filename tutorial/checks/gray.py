@@ -131,7 +131,7 @@ def picture(number: int, width: int, height: int) -> Pixels:
 class Camera:
     """A stand-in for `tutorial.view.camera.Camera`.
 
-    Attributes that a real camera lacks begin with an underscore, so no error message suggests them to a learner.
+    Attributes that a real camera lacks begin with an underscore, so that no error message suggests them to a learner.
 
     Args:
         rig: the camera's rig.
@@ -233,7 +233,7 @@ def still(trial: Trial) -> Any:
 
 
 def frame(frame_id: str) -> str:
-    """Return a picture's frame. The camera's name alone counts as its optical frame."""
+    """Return a picture's frame. The camera's name alone is accepted as its optical frame."""
     return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
 
 

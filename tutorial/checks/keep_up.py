@@ -1,4 +1,4 @@
-"""The exercise `keep_up`: a viewer that shows the newest message, and keeps at most one call waiting.
+"""The exercise `keep_up`: a viewer that shows the newest message, with at most one waiting call.
 
 Write the controller `CalmViewer`, for messages that contain whole states. It works like `MyViewer`, with one
 difference, which lets it keep up with any publisher:

@@ -46,7 +46,7 @@ class Pairs:
         self.waiting: dict[tuple[int, int], dict[str, Any]] = {}
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Take a message, and return the pair that it completes, if any."""
+        """Add a message, and return the pair that it completes, if any."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         together = self.waiting.setdefault(stamp, {})
         together[stream] = message
@@ -114,7 +114,7 @@ def message_of(stream: str, stamp: int) -> Any:
 def add(
     trial: Trial, pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]
 ) -> list[Arrival] | None:
-    """Add a message, and return the arrivals of the answer's pair, or None if there is no pair.
+    """Add a message, and return the arrivals of the answer's pair; None if it returned no pair.
 
     Raises:
         Failure: the answer raised an exception, or returned neither None nor a pair with this message.
@@ -198,7 +198,7 @@ CASES = [
 
 
 def describe(returned: Sequence[Any]) -> str:
-    """List the pairs' stamps; if there are many, only the first and the last."""
+    """List the pairs' stamps; if there are many stamps, only the first and the last."""
     pairs = [_name(*pair) for pair in returned if pair]
     count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 4 else f"{pairs[0]} to {pairs[-1]}"
     return f"{count} pair{'s' * (count != 1)}: {shown}" if pairs else "no pair"

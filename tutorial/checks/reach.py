@@ -16,8 +16,8 @@ subscription and a publisher on it.
 - A screen that starts late gets the robot's newest message, even if no screen was connected before, and however old the
   message is.
 
-Hint 1: Look at both connections separately. In each, one side offers and the other asks. What is the most that the
-relay can ask of the robot, and the least that it has to offer the screen?
+Hint 1: Look at both connections separately. In each connection, one side offers and the other side asks. What is the
+most that the relay can ask of the robot, and the least that it has to offer the screen?
 
 Hint 2: The subscription asks for no more than the robot offers: give it the robot's own profile. The publisher offers
 all that the screen asks for: a QoSProfile with a depth of 1, whose reliability is RELIABLE by default, and whose
@@ -137,7 +137,7 @@ class Wiring:
         """Check that nothing is published outside of the callback, by a timer or a thread.
 
         Raises:
-            Misuse: a timer publishes, or there is a thread.
+            Misuse: a timer publishes, or a thread is running.
         """
         count = len(self._published)
         for each in self.node.timers:
@@ -150,7 +150,7 @@ class Wiring:
 
     @property
     def shown(self) -> list[JointState]:
-        """The messages that the screen has received; if there are none, the messages on other topics."""
+        """The messages that the screen has received; if there are no such messages, those on other topics."""
         on_wall = [message for topic, message in self._published if topic == WALL]
         return on_wall or [message for _, message in self._published]
 
@@ -236,7 +236,7 @@ def at_once(trial: Trial) -> str:
 
 
 def on_ros(trial: Trial) -> str:
-    """Try the relay with rclpy's own nodes and a late screen."""
+    """Try the relay with rclpy's own nodes and a screen that starts late."""
     early, late = list[JointState](), list[JointState]()
     with ros_node() as node, ros_node() as others:
         trial.call(trial.answer, node)

@@ -51,7 +51,7 @@ class MyRecorder(QueueRecorder):
     """Write the queue's entries on a separate thread."""
 
     def write(self: Any) -> None:
-        """Write one entry after another, until None."""
+        """Write one entry after another, until an entry is None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 

@@ -15,9 +15,9 @@ tank `Tank/joint_state`), but only the changes:
 Hint 1: What do you compare each position with? With the position that you last sent for this joint, perhaps long ago;
 not with its position 20 ms ago. Compare each joint separately.
 
-Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at first, so all
-joints are new. In each step in which a message is due, collect the joints that have moved. If there are any, send them,
-and store in the dict what you have sent.
+Hint 2: Keep a dict from each joint's name to the position that you last sent for this joint. The dict is empty at
+first, so all joints are new. In each step in which a message is due, collect the joints that have moved. If there are
+any, send them, and store the sent positions in the dict.
 
 Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
 0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then
@@ -138,7 +138,7 @@ def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe which joints the messages name in each period of 1/50 s; the first two periods count as one."""
+    """Observe which joints the messages name in each period of 1/50 s; the first two periods are treated as one."""
     steps = round(LOOK / rig.io.time_step)
     found = [f"{named(each.message)} in period {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}

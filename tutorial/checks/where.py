@@ -110,7 +110,7 @@ def in_order(rotations: Sequence[Quaternion], point: ArrayLike) -> ArrayLike:
 
 
 def messages(chain: Chain) -> Iterator[TransformStamped]:
-    """Make the messages of a chain. The outermost frame is map for a chain of five, and odom for a shorter one."""
+    """Make the messages of a chain. The outermost frame is map for a chain of five, and odom for a shorter chain."""
     frames = FRAMES if len(chain) == 5 else FRAMES[1:]
     for (xyz, axis, angle), parent, child in zip(chain, frames, frames[1:]):
         stamped = TransformStamped(child_frame_id=child)

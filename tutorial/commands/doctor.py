@@ -102,7 +102,7 @@ def ask(question: Callable[[], Any], timeout: float = TIMEOUT) -> Any:
         timeout: the time limit [s].
 
     Raises:
-        TutorialError: the function crashed, failed or took too long; the error says which.
+        TutorialError: the function crashed, failed or took too long; the error reports which.
     """
     code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
     command = [sys.executable, "-P", "-X", "utf8", "-c", code]

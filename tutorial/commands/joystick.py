@@ -53,7 +53,7 @@ class ScriptedDrive:
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return the axes at a time [s] after the drive's start, and no buttons."""
+        """Return the axes at a time [s] after the drive's start, without buttons."""
         if self._period:
             seconds %= self._period
         i = bisect_right(self._times, seconds) - 1
@@ -67,7 +67,7 @@ class Gamepad:
         controller: pygame's controller.
 
     Attributes:
-        name: the gamepad's own name.
+        name: the gamepad's name.
     """
 
     def __init__(self, controller: Any) -> None:
@@ -115,8 +115,8 @@ def publish_joystick(
 ) -> float:
     """Publish a joystick on ``joy`` at 50 Hz until the time is up or `stop` is set.
 
-    A scripted drive starts with the first subscription, so that the subscriber receives all of it. The last message
-    centres the sticks.
+    A scripted drive starts with the first subscription, so that the subscriber receives the whole drive. The last
+    message centres the sticks.
 
     Args:
         node: the node to publish with.

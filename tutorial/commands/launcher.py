@@ -143,7 +143,7 @@ class Launcher:
             self._stop.set()
 
     def _stop_all(self) -> None:
-        """Interrupt every remaining process group, and kill the ones that don't stop in time."""
+        """Interrupt every remaining process group, and kill those that don't stop in time."""
         self._stop.set()
         self._signal_groups(signal.SIGINT)
         for _ in range(round(TIMEOUT / LOOK_EVERY)):

@@ -45,7 +45,7 @@ class PoseSubscriber(SimpleController):
             self.call_later(self.take, "pose", transform)
 
     def take(self, stream: str, message: JointState | TransformStamped) -> None:  # main thread
-        """Show the message together with its partner, or keep it until its partner arrives."""
+        """Show the message together with its partner, or store it until its partner arrives."""
         if fault := fault_of(message):
             self.tally.leave_out(fault)
         elif pair := self.pairs.add(stream, message):

@@ -76,8 +76,8 @@ def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shap
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
     """Return the mesh's file, if it has one in a format that other programs read.
 
-    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame, so this function undoes that. An
-    additional offset (``refpos``, ``refquat``) is missing here, because a compiled model does not store it.
+    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame; this function reverses that move.
+    An additional offset (``refpos``, ``refquat``) is missing here, because a compiled model does not store it.
     """
     mesh = model.geom_dataid[geom]
     start = model.mesh_pathadr[mesh]

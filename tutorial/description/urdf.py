@@ -136,7 +136,7 @@ class _Writer:
         """Add a link, and the joints that lead to it.
 
         URDF allows one joint between two links, with its axis through the child's frame. This function therefore adds
-        massless links between joints, and one on the axis if the axis does not pass through the body's frame.
+        massless links between joints, and a link on the axis if the axis does not pass through the body's frame.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)
@@ -243,7 +243,7 @@ class _Writer:
                 self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
-        """List omissions in a comment at the top, and log the ones that make the description move differently.
+        """List omissions in a comment at the top, and log those that make the description move differently.
 
         The comment contains no colon, because ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses it as
         YAML.

@@ -25,7 +25,7 @@ def prepare_process() -> None:
     """Set up the process for a notebook. Importing `tutorial.notebook` calls this once.
 
     - Reserve a ROS domain for this process and its children, unless ``ROS_DOMAIN_ID`` is set: two notebooks must not
-      share one.
+      share a domain.
     - Restrict discovery to this machine, unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is set. The default of a real ROS 2
       is the whole network, where two learners in a classroom would sooner or later choose the same domain.
     - Keep the library's log lines for `tutorial.notebook.log`, and send them nowhere else.

@@ -58,7 +58,7 @@ class _Thread(SpinThread[WatchedNode]):
 
 
 class Bench:
-    """Run a learner's controller on its own node, and make requests from a second one.
+    """Run a learner's controller on its own node, and make requests from a second node.
 
     Args:
         trial: the trial that the bench belongs to.
@@ -145,7 +145,7 @@ class Bench:
         return bool(client.service_is_ready() and self._other.node.count_clients(client.srv_name))
 
     def _failure(self, service: str) -> Failure:
-        """Find out why there is no response."""
+        """Determine why no response has arrived."""
         if self._own.error is not None:
             return _from_callback(self.trial, self._own.error)
         for wait, text in self.node.deadlocks().items():

@@ -99,7 +99,7 @@ class Mistake:
             these, joined by ``+``.
 
     Raises:
-        ValueError: there is no edit.
+        ValueError: no edits are given.
     """
 
     cause: str
@@ -142,7 +142,7 @@ class Cases:
         solution: the right answer. Its observations are the expected ones.
         cases: the cases, in the order they run.
         mistakes: the known mistakes, the root causes first.
-        meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
+        meaning: the most likely cause of a wrong observation in a case that defines no meaning, as a sentence.
         describe: describes an observation.
         beside: functions of the solution's module that mistakes can also change.
         clock: the cause of a wrong observation if the answer reads the computer's clock; "" if answers may read the

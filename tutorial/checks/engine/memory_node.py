@@ -32,7 +32,7 @@ class Endpoint:
         topic_name: the topic's full name.
         callback: a subscription's callback; None for a publisher.
         qos: its quality of service.
-        depth: how many messages a subscription keeps while its thread is busy.
+        depth: how many messages a subscription stores while its thread is busy.
         destroyed: whether the learner has destroyed the endpoint.
     """
 

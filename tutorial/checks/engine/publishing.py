@@ -48,13 +48,13 @@ class Publishing:
     namespaces: bool = True
 
     def cases(self, solution: type, own: Sequence[Case], mistakes: Sequence[Mistake], meaning: str) -> Cases:
-        """Combine an exercise's own cases and mistakes with the ones that all exercises about publishers share.
+        """Combine an exercise's own cases and mistakes with those that all exercises about publishers share.
 
         Args:
             solution: the right answer.
-            own: the exercise's own cases. They replace shared ones with the same label.
+            own: the exercise's own cases. They replace shared cases with the same label.
             mistakes: the exercise's own mistakes.
-            meaning: the meaning of cases that define none: see `Cases`.
+            meaning: the default meaning of a case: see `Cases`.
         """
         labels = {case.label for case in own}
         last = [
@@ -108,7 +108,7 @@ class Publishing:
         )
 
     def messages(self, rig: Rig) -> list[Sent]:
-        """Return the messages that were sent on the topic; if there are none, the messages on other topics."""
+        """Return the messages that were sent on the topic; if there are no such messages, those on other topics."""
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
@@ -204,7 +204,7 @@ class Publishing:
         return [look(rig) for rig in (rover, lift) for look in (self.often, self.held)]
 
     def on_ros(self, trial: Trial) -> str:
-        """Observe whether messages arrive when rclpy's own node is used."""
+        """Observe whether messages arrive when the answer runs on rclpy's own node."""
         with ros_node() as node:
             rig, arrived = self.scene(trial, node=node, time_step=0.002), list[Any]()
             node.create_subscription(self.kind, f"/Rover/{self.topic}", arrived.append, qos_profile_sensor_data)

@@ -28,7 +28,7 @@ PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call sti
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
-    """Make the run of a case: perform steps, one after another, and join their observations.
+    """Make the `run` function of a case: perform steps, one after another, and join their observations.
 
     Args:
         done: the steps.
@@ -56,7 +56,7 @@ def heard(*messages: Any) -> Step:
 def hands_over(*messages: Any) -> Step:
     """Make a step that counts how many of these messages make the callback post a call.
 
-    The step fails if the callback starts its own timer or thread.
+    The step fails if the callback starts a timer or a thread.
     """
 
     def step(viewer: Viewer) -> str:

@@ -1,8 +1,8 @@
 """Finds the answers in a notebook: the arguments of checks, with only the definitions that they need.
 
 The notebook is not run. This module extracts the imports, functions, classes and assignments that define the names used
-by the answer, directly or indirectly. So an answer can be judged even if other cells fail, or wait for a simulation
-that nobody has started.
+by the answer, directly or indirectly. Therefore, an answer can be judged even if other cells fail, or wait for a
+simulation that nobody has started.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class _Check(NamedTuple):
 def cells_of(text: str) -> list[str]:
     """Return the code cells of a notebook.
 
-    This does not use nbformat, whose import takes as long as judging an answer.
+    This function does not use nbformat, because importing it takes as long as judging an answer.
 
     Args:
         text: the content of the file.
@@ -180,7 +180,7 @@ def _needed(names: Iterable[str], statements: Sequence[_Statement], position: in
 
 
 def _parsed(cell: str, name: str) -> list[ast.stmt]:
-    """Parse a cell, and keep its lines for tracebacks.
+    """Parse a cell, and store its lines for tracebacks.
 
     Raises:
         Exception: the cell is not valid Python.

@@ -96,7 +96,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
         EOFError: the process wrote nothing.
         OSError: the notebook cannot be opened.
         TimeoutError: the process took too long.
-        ValueError, RecursionError: the process wrote something other than one message.
+        ValueError, RecursionError: the output of the process is not exactly one message.
     """
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
         command = asyncio.create_subprocess_exec(
