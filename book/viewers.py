@@ -116,7 +116,7 @@ class RobotStatePublisher(Viewer):
 
 
 class JointStatePublisher(Viewer):
-    """joint_state_publisher with a source_list: it matches names, and uses the position at the same index, if any.
+    """joint_state_publisher with a source_list: it matches names and uses the position at the same index, if any.
 
     An index beyond the positions raises an error in the callback, which ends the program.
 
@@ -151,7 +151,7 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, with its newest points as the pose: it matches names, and skips NaN, infinities and extra entries.
+    """PlotJuggler, with its newest points as the pose: it matches names and skips NaN, infinities and extra entries.
 
     It uses the time of arrival, which is its default.
 

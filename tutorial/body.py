@@ -167,9 +167,9 @@ class Sensor:
 class Body:
     """A named part of a MuJoCo model, with its state.
 
-    A displayed body has its own model and state, and belongs to the thread that made it, the main thread. A simulated
-    body is part of the simulation's world, and belongs to the thread that steps it. Moving a displayed body on any
-    other thread raises WrongThreadError.
+    A displayed body has its own model and state and belongs to the thread that made it, the main thread. A simulated
+    body is part of the simulation's world and belongs to the thread that steps it. Moving a displayed body on any other
+    thread raises WrongThreadError.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.

@@ -1,13 +1,13 @@
 """Handing work from one thread to another: the first of the two ideas that the tutorial is about.
 
 A callback runs on the thread of its source: ROS 2's executor, a widget or a timer. It must not use anything that
-belongs to a different thread, so it hands over what it received, and returns. There are two ways:
+belongs to a different thread, so it hands over what it received and returns. There are two ways:
 
 - as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
 - as an *event*, if every value matters: `CallScope.call_later`.
 
-A service's callback needs a result: `RequestQueue.ask` has the simulation's thread call a function, and returns what
-the function returned.
+A service's callback needs a result: `RequestQueue.ask` has the simulation's thread call a function and returns the
+function's result.
 """
 
 from __future__ import annotations
@@ -315,7 +315,7 @@ class RequestQueue:
 
 
 class ThreadGuard:
-    """Remembers the thread that made it, and raises an error on every other thread.
+    """Remembers the thread that made it and raises an error on every other thread.
 
     Args:
         what: the guarded object, as it should appear in the error message, for instance ``"the body 'Tank'"``.

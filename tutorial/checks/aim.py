@@ -11,7 +11,7 @@ Write the method `aim` of `HeldJoint`. It is called once per simulation step, wi
   You may use `joint.velocity` as `dq`.
 
 Hint 1: Which two numbers does the next call need? Store them in self; both start at the joint's angle. And how far can
-the reference go? joint.range has two ends.
+the reference go? joint.range has two limits.
 
 Hint 2: Move the reference first, and clamp it to the range. A speed is the change since the last call divided by
 time_step, so compute both speeds while you still have the old values. Store the new values at the very end.

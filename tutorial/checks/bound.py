@@ -20,7 +20,7 @@ larger than any number, and clamp the finite numbers with max and min.
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
 
-Notice that no message can make the function fail or slow it down: it reads at most four axes, and checks each of them
+Notice that no message can make the function fail or slow it down: it reads at most four axes and checks each of them
 before using it.
 """
 

@@ -27,7 +27,7 @@ Hint 3: same = [each for each in facts.publishers if each.type == subscription.t
 each.reliable or not subscription.reliable], and the same with transient_local. If not facts.received: "clock" if
 any(each.node in facts.clock_users for each in facts.publishers) and not facts.clock_ticks, otherwise "silent".
 
-Notice that `tank doctor` works like this: it goes through a list of causes, and names the first cause that the facts
+Notice that `tank doctor` works like this: it goes through a list of causes and names the first cause that the facts
 support.
 """
 

@@ -13,7 +13,7 @@ Hint 1: Which frame is the point in? Only the last transform applies to that fra
 transform, and which frame is it in then?
 
 Hint 2: Go through the transforms from the last to the first. Each one turns the point by its rotation, with turned,
-and then adds its translation. Pass the result to the previous transform in the list.
+then adds its translation. Pass the result to the previous transform in the list.
 
 Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
 turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). After the loop, return the point.

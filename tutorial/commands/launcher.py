@@ -1,4 +1,4 @@
-"""Runs ROS 2 launch files without ROS 2, and prints the output of each process."""
+"""Runs ROS 2 launch files without ROS 2 and prints the output of each process."""
 
 from __future__ import annotations
 

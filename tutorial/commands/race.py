@@ -1,4 +1,4 @@
-"""The command ``tank race``: a learner's node drives the tank along a line, and gets a score."""
+"""The command ``tank race``: a learner's node drives the tank along a line and gets a score."""
 
 # ruff: noqa: PLC0415 - help must be fast
 

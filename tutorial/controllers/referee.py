@@ -1,4 +1,4 @@
-"""The referee of a race: it sees the true state of the world, and publishes the score."""
+"""The referee of a race: it sees the true state of the world and publishes the score."""
 
 import json
 import math

@@ -83,7 +83,7 @@ class TankServer(TankController):
             self.track_l.ctrl = self.track_r.ctrl = self.turret.joint.effort = self.barrel.joint.effort = 0.0
 
     def reset(self) -> str:  # simulation thread, between two steps
-        """Move the tank back to its start, and hold its joints where they are then."""
+        """Move the tank back to its start, and hold its joints at their positions there."""
         self.io.body.reset()
         self.initialize(self.io)
         return f"{self.io.body.name} is back at its start"

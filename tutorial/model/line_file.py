@@ -31,7 +31,7 @@ class _LineFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_line(path: Path) -> mujoco.MjSpec | None:
-    """Read a line. It is a smooth curve through the file's points, and can cross itself.
+    """Read a line. It is a smooth curve through the file's points and can cross itself.
 
     Returns:
         The model: a yellow box for each piece of the curve, and a hidden site for each end of a piece; None if the

@@ -33,7 +33,7 @@ LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, such as while the use
 
 
 class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an error
-    """Raised when a run is interrupted. The program stays open, and can be run again."""
+    """Raised when a run is interrupted. The program stays open and can be run again."""
 
 
 class Program:

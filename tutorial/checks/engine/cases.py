@@ -147,7 +147,7 @@ class Cases:
         beside: functions of the solution's module that mistakes can also change.
         clock: the cause of a wrong observation if the answer reads the computer's clock; "" if answers may read the
             clock.
-        on_ros: tries a right answer with rclpy's own node, and describes the result.
+        on_ros: tries a right answer with rclpy's own node and describes the result.
         one_by_one: whether the first wrong observation stops the check.
     """
 

@@ -1,4 +1,4 @@
-"""Instruments, which record how the learner's code uses time and threads, and can stop its clocks."""
+"""Instruments, which record how the learner's code uses time and threads and can stop its clocks."""
 
 import queue
 import sys
