@@ -1,4 +1,4 @@
-"""Write the table of `nothing_arrives.md` from the doctor's rules: ``make causes``."""
+"""Write the table in `nothing_arrives.md` from the doctor's rules. ``make causes`` runs this module."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Save what a notebook's widgets show while it runs, for the book, which has no kernel to bring them to life.
+"""Save what a notebook's widgets show while it runs, for the book, which has no kernel that could update them.
 
 ``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets with the saved figures. A notebook's
 n-th widget is saved as ``n.html``.
@@ -26,7 +26,7 @@ BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick"}
 
 
 def keep(folder: Path) -> None:
-    """Save all widgets that this kernel displays from now on, in a folder."""
+    """From now on, save every widget that this kernel displays to a folder."""
     from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself does not need these)
 
     from tutorial.notebook.program import Program  # noqa: PLC0415
@@ -58,7 +58,7 @@ class _Kept:
         self._drawn: list[tuple[list[str], int, Any]] = []
 
     def know(self, program: Any) -> None:
-        """Remember a program by its view."""
+        """Store a program under its view."""
         self._programs[program.view] = program
 
     def show(self, widget: Any) -> None:

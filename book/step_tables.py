@@ -57,7 +57,7 @@ def _row(name: str, builds: str, topic: str) -> dict[str, str]:
 
 
 def _files(folder: str, name: str, suffix: str) -> str:
-    """Return links to the files whose names are `name` or begin with it."""
+    """Return links to the files whose names are `name` or begin with `name_`."""
     found = sorted([*HOME.glob(f"{folder}/{name}{suffix}"), *HOME.glob(f"{folder}/{name}_*{suffix}")])
     return ", ".join(f"[`{path.name}`]({folder}/{path.name})" for path in found)
 

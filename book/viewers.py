@@ -1,7 +1,7 @@
 """Small models of how this tutorial's viewer and other programs handle a joint state, based on their sources.
 
-A model holds a pose, takes one message after another, and returns whether the program reports a problem. The models
-leave out everything else, such as mimic joints.
+A model stores a pose, receives one message after another, and returns whether the program reports a problem. The models
+omit everything else, such as mimic joints.
 """
 
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ class Viewer:
 
         Args:
             message: the `sensor_msgs/JointState`.
-            publisher: the one that sent it, ``"publish"`` or ``"second"``.
+            publisher: its sender, ``"publish"`` or ``"second"``.
         """
         raise NotImplementedError
 
@@ -60,7 +60,7 @@ class TankTutorial(Viewer):
 
 
 class ChoreonoidTutorial(Viewer):
-    """The original: the i-th entry moves the i-th joint if their names agree.
+    """The original tutorial's viewer: the i-th entry moves the i-th joint if their names are equal.
 
     Source: choreonoid/choreonoid_ros_tank_tutorial, `src/RttJointStateSubscriber.cpp`.
     """
@@ -75,11 +75,12 @@ class ChoreonoidTutorial(Viewer):
 
 
 class RobotStatePublisher(Viewer):
-    """robot_state_publisher at its default 20 Hz, and tf2, which stores its transforms.
+    """robot_state_publisher at its default rate of 20 Hz, and tf2, which stores its transforms.
 
-    It drops messages whose lists differ in length. It also drops a message if, by the stamps, it last published each of
-    its joints less than an interval earlier. For a repeated name it uses the first position, because it inserts the
-    positions into a map. tf2 rejects NaN and shows the transform with the newest stamp.
+    robot_state_publisher drops messages whose lists differ in length. It also drops a message if, according to the
+    stamps, it last published each of the message's joints less than one interval earlier. For a repeated name it uses
+    the first position, because it inserts the positions into a map. tf2 rejects NaN and shows the transform with the
+    newest stamp.
 
     Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.
     """
@@ -115,7 +116,7 @@ class RobotStatePublisher(Viewer):
 
 
 class JointStatePublisher(Viewer):
-    """joint_state_publisher with a source_list: matches by name, and uses the position at the same index, if any.
+    """joint_state_publisher with a source_list: it matches names and uses the position at the same index, if any.
 
     An index beyond the positions raises an error in the callback, which ends the program.
 
@@ -135,7 +136,7 @@ class JointStatePublisher(Viewer):
 
 
 class Foxglove(Viewer):
-    """The 3D panel of Foxglove Studio: matches by name and ignores stamps. A joint without a position is at 0.
+    """The 3D panel of Foxglove Studio: it matches names and ignores stamps. A joint without a position is at 0.
 
     Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
     """
@@ -150,7 +151,7 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, with its newest points as the pose: matches by name, and skips NaN, infinities and extra entries.
+    """PlotJuggler, with its newest points as the pose: it matches names and skips NaN, infinities and extra entries.
 
     It uses the time of arrival, which is its default.
 

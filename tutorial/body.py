@@ -32,7 +32,7 @@ class Joint:
     """A hinge or slide joint of a body, as `sensor_msgs/JointState` describes it.
 
     Attributes:
-        name: without the body's prefix.
+        name: its name, without the body's prefix.
         range: the limits ``(lower, upper)`` [rad or m]; infinite if the joint has no limit.
         qpos_adr: the index of its position in MuJoCo's ``qpos``.
     """
@@ -62,7 +62,7 @@ class Joint:
 
     @property
     def position(self) -> float:
-        """Position [rad or m]. Setting it moves the joint of a displayed body; only the body's thread may do that."""
+        """Position [rad or m]. Setting it moves the joint of a displayed body; only the body's thread may set it."""
         return self._qpos.item(self.qpos_adr)
 
     @position.setter
@@ -115,7 +115,7 @@ class Actuator:
     """An actuator of a body, other than a joint's motor, such as a track.
 
     Attributes:
-        name: without the body's prefix.
+        name: its name, without the body's prefix.
     """
 
     __slots__ = ("_adr", "_ctrl", "name")
@@ -139,7 +139,7 @@ class Sensor:
     """A sensor of a body, such as an accelerometer.
 
     Attributes:
-        name: without the body's prefix.
+        name: its name, without the body's prefix.
     """
 
     __slots__ = ("_guard", "_measured", "name")
@@ -153,7 +153,7 @@ class Sensor:
     def value(self) -> NDArray[np.float64]:
         """A copy of the last step's measurement, shape (dim,), in the sensor's unit, such as [m/s^2] along x, y, z.
 
-        Setting it stores a received measurement in a displayed body; only the body's thread may do that.
+        Setting it stores a received measurement in a displayed body; only the body's thread may set it.
         """
         return self._measured.copy()
 
@@ -167,21 +167,21 @@ class Sensor:
 class Body:
     """A named part of a MuJoCo model, with its state.
 
-    A displayed body has its own model and state, and belongs to the thread that made it, the main thread. A simulated
-    body is part of the simulation's world, and belongs to the thread that steps it. Moving a displayed body on any
-    other thread raises WrongThreadError.
+    A displayed body has its own model and state and belongs to the thread that made it, the main thread. A simulated
+    body is part of the simulation's world and belongs to the thread that steps it. Moving a displayed body on any other
+    thread raises WrongThreadError.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.
         model: the model.
         data: its state.
-        guard: restricts a displayed body to its thread; None for a simulated body.
+        guard: the guard that restricts a displayed body to its thread; None for a simulated body.
         find_camera: a function that finds a simulated body's camera by name; None for a displayed body.
 
     Attributes:
         name, model, data, find_camera: as given.
         joints: the hinge and slide joints of groups 0 to 2, in the model's order. Higher groups, which MuJoCo hides,
-            hold joints of internal parts, such as the wheels in a track.
+            contain the joints of internal parts, such as the wheels in a track.
         qpos_slice: the body's part of MuJoCo's ``qpos``.
         note: text that a controller of a displayed body shows in the line below the view.
     """
@@ -286,10 +286,10 @@ class Body:
         """Return MuJoCo's id of one of the body's elements, such as a camera.
 
         Args:
-            kind: the kind of element, as the error should name it.
+            kind: the kind of element, as it should appear in the error message.
             element: MuJoCo's method that returns an element of this kind by id, such as ``model.camera``.
             count: the number of such elements in the whole model.
-            name: without the body's prefix.
+            name: the element's name, without the body's prefix.
 
         Raises:
             TutorialError: the body has no such element; the error suggests the nearest name.
@@ -329,7 +329,7 @@ class Body:
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def reset(self) -> None:
-        """Move the body back to its start, at rest."""
+        """Move the body back to its start, and set its velocity to zero."""
         self._check("reset")
         self.data.qpos[self.qpos_slice] = self.model.qpos0[self.qpos_slice]
         self.data.qvel[self._dof_slice] = self.data.qacc_warmstart[self._dof_slice] = 0.0
@@ -399,7 +399,7 @@ class _Root(NamedTuple):
 
     @classmethod
     def of(cls, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_ids: Sequence[int]) -> _Root:
-        """Find a body's root. If it can move, its first joint is a free joint."""
+        """Find a body's root. If the root can move, its first joint is a free joint."""
         if joint_ids and model.jnt_type[joint_ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
             adr, dof = int(model.jnt_qposadr[joint_ids[0]]), int(model.jnt_dofadr[joint_ids[0]])
             return cls(data.qpos[adr : adr + 3], data.qpos[adr + 3 : adr + 7], data.qvel[dof : dof + 6])

@@ -52,8 +52,8 @@ class ControllerConfig:
         call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
             key.
         ask: ``ask(function, *args)``, called on the executor's thread, has the simulation's thread run the function
-            between two steps, and returns the result. If that is impossible, it raises a RefusedError that says why:
-            see `tutorial.handoff.RequestQueue.ask`.
+            between two steps, and returns the result. If that is impossible, it raises a RefusedError that gives the
+            reason: see `tutorial.handoff.RequestQueue.ask`.
     """
 
     body: Body

@@ -23,11 +23,11 @@ class TutorialError(Exception):
 
 
 class WrongThreadError(TutorialError):
-    """A thread touched something that belongs to a different thread."""
+    """A thread used an object that belongs to a different thread."""
 
 
 class RefusedError(TutorialError):
-    """A request was not carried out; the text says why. See `tutorial.handoff.RequestQueue`."""
+    """A request was not carried out; the text gives the reason. See `tutorial.handoff.RequestQueue`."""
 
 
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
@@ -104,7 +104,7 @@ def where(thread: threading.Thread, file: str = "") -> str:
 
     Args:
         thread: the thread.
-        file: if the thread is in this file, report the innermost line there; otherwise the innermost line of all.
+        file: if the thread is in this file, report the innermost line there; otherwise the innermost line in any file.
 
     Returns:
         For instance ``": it is at mine.py, line 8, in control"``; empty if the thread has ended.
@@ -120,6 +120,6 @@ def where(thread: threading.Thread, file: str = "") -> str:
 
 
 def _title(file: str) -> str:
-    """Return a file's name for the reader; "your cell" for a cell, whose name in the kernel means nothing to users."""
+    """Return a file's name for the reader; "your cell" for a cell, because users do not know its name in the kernel."""
     path = Path(file)
     return "your cell" if path.parent.name.startswith("ipykernel_") else path.name

@@ -1,13 +1,13 @@
 """Handing work from one thread to another: the first of the two ideas that the tutorial is about.
 
-A callback runs on the thread of its source: ROS 2's executor, a widget or a timer. It must not touch anything that
-belongs to a different thread, so it hands over what it received, and returns. There are two ways:
+A callback runs on the thread of its source: ROS 2's executor, a widget or a timer. It must not use anything that
+belongs to a different thread, so it hands over what it received and returns. There are two ways:
 
 - as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
-- as an *event*, if each of them matters: `CallScope.call_later`.
+- as an *event*, if every value matters: `CallScope.call_later`.
 
-A service's callback needs a result: `RequestQueue.ask` has the simulation's thread call a function, and returns what
-the function returned.
+A service's callback needs a result: `RequestQueue.ask` has the simulation's thread call a function and returns the
+function's result.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class CallQueue:
             self._waiting.clear()
 
     def _post(self, call: _Call, key: Hashable) -> None:
-        """Queue a call, or replace the one with the same key. Do nothing if the queue or the scope is closed."""
+        """Queue a call, or replace the call with the same key. Do nothing if the queue or the scope is closed."""
         with self._lock:
             if self._closed or call.scope.closed or not self._request_turn():
                 return
@@ -189,7 +189,7 @@ class CallScope:
         self.queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 
     def close(self) -> None:
-        """Cancel its waiting calls, and ignore calls posted from now on. Idempotent, any thread.
+        """Cancel the scope's waiting calls, and ignore calls posted from now on. Idempotent, any thread.
 
         A call that is already running continues, so only the main thread can be sure that nothing runs afterwards.
         """
@@ -233,11 +233,12 @@ class RequestQueue:
 
     The thread that steps the simulation carries them out between two steps, so `ask` blocks the executor's thread only
     until the current step ends, usually for a few milliseconds, and never longer than its timeout. While the simulation
-    is not running, and when it stops, requests are refused at once, so that a shutdown leaves nobody waiting.
+    is not running, and when it stops, requests are refused at once, so that no callback keeps waiting after a shutdown.
 
-    A coroutine could await the answer instead, but with rclpy that gains nothing. While it is waiting, its callback
-    group runs no other callbacks, either. The executor notices the answer only when something else wakes it, often
-    50 ms later. And a coroutine that is still waiting at shutdown is dropped, so its client never gets a response.
+    A coroutine could await the answer instead, but with rclpy this has no advantage. While the coroutine is waiting,
+    its callback group runs no other callbacks, either. The executor notices the answer only when something else wakes
+    it, often 50 ms later. And a coroutine that is still waiting at shutdown is dropped, so its client never gets a
+    response.
     """
 
     def __init__(self) -> None:
@@ -256,7 +257,7 @@ class RequestQueue:
             self._thread, self._refusal = thread, ""
 
     def close(self, reason: str = NOT_RUNNING) -> None:
-        """Refuse the waiting requests, and all that follow until the next `open`. Idempotent, thread-safe.
+        """Refuse the waiting requests, and all further requests until the next `open`. Idempotent, thread-safe.
 
         Args:
             reason: the text of the error that `ask` raises.
@@ -278,9 +279,9 @@ class RequestQueue:
             timeout: the longest wait [s].
 
         Raises:
-            RefusedError: the function was not called, or did not return in time; the text says which.
+            RefusedError: the function was not called, or did not return in time; the text says which of these happened.
             WrongThreadError: the caller is on the simulation's thread, so it would wait for itself.
-            Exception: the function raised it.
+            Exception: any exception that the function raised.
         """
         answer: Future[T] = Future()
         with self._lock:
@@ -314,10 +315,10 @@ class RequestQueue:
 
 
 class ThreadGuard:
-    """Remembers the thread that made it, and raises an error on every other thread.
+    """Remembers the thread that made it and raises an error on every other thread.
 
     Args:
-        what: the guarded object, as the error should name it, for instance ``"the body 'Tank'"``.
+        what: the guarded object, as it should appear in the error message, for instance ``"the body 'Tank'"``.
     """
 
     def __init__(self, what: str) -> None:

@@ -39,10 +39,11 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
 
     Args:
         joints: the names of a body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
-        message: the message; apart from its type, its content can be anything.
+        message: the message; its type must be right, but its fields can contain anything.
 
     Returns:
-        The position [rad or m] of each joint with a usable number (the last one if it has several), and the report.
+        The position [rad or m] of each joint with a usable number (the last number if a joint has several), and the
+        report.
     """
     ranges, names, positions = _ranges(joints), message.name, message.position
     unknown = [name for name in names if name not in ranges]
@@ -72,7 +73,7 @@ class NameList(NamedTuple):
 
     @classmethod
     def of(cls, names: Sequence[str]) -> NameList:
-        """Count the names and keep the first few, each truncated to 40 characters."""
+        """Count the names and store the first few, each truncated to 40 characters."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
@@ -81,7 +82,7 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the previous ones. If it differs between joints, the report has the value listed last."""
+    """How a message follows the previous ones. If the joints' values differ, the report has the one listed last."""
 
     NEXT = ""  #: the publisher's next message
     RESTARTED = "the publisher was started again"  #: its stamp jumps far back
@@ -150,7 +151,8 @@ class JointMatcher:
 
     `match_joints` matches the names. Then each joint is judged separately, against the message that moved it last: an
     older message is late, and a message more than a second older means that the publisher was restarted. Publishers of
-    different joints are all shown. If several publish the same joint, one is followed until it falls silent.
+    different joints are all shown. If several publish the same joint, one of them is followed until it stops
+    publishing.
 
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
@@ -210,10 +212,10 @@ class _Track:
 class _Publishers:
     """Tells the publishers of one topic apart by their messages, because in rclpy a message does not name its sender.
 
-    If there are as many separate sets of joints as publishers, no joint is shared, unless one keeps jumping back and
-    forth. Otherwise a message comes from a rival if it is older than the last one, more than 10 s newer, or makes a
-    joint jump. Once a single rival's position of the joint is known, only a jump to that position counts. Publishers
-    that agree are all shown.
+    If there are as many separate sets of joints as publishers, no joint is shared, unless a joint keeps jumping back
+    and forth. Otherwise a message comes from a rival if it is older than the last one, more than 10 s newer, or makes a
+    joint jump. Once a single rival's position of the joint is known, only a jump to that position indicates a rival. If
+    the publishers agree, all of them are shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
@@ -252,7 +254,7 @@ class _Publishers:
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
 
     def _jumps_to_rival(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint moves further than its publisher could, to a place where a rival may have put it."""
+        """Return whether a joint moves further than its publisher could, to a position that may be a rival's."""
         reach = REACH + SPEED * ahead / SECOND_NS
         moved = {joint: abs(position - track.positions[joint]) for joint, position in positions.items()}
         far = [joint for joint in moved if moved[joint] > min(reach, self._half_range[joint])]
@@ -260,7 +262,7 @@ class _Publishers:
         return any(rivals > 1 or off[joint] < NEAR_RIVAL * moved[joint] for joint in far)
 
     def _jumps_back(self, joint: str, position: float) -> float:
-        """Count the jumps of a joint back to its position before last. A different jump cancels part of one."""
+        """Count the jumps of a joint back to its position before last. Any other jump reduces the count."""
         last, before, jumps = self._history.get(joint, (position, inf, 0))
         moved = abs(position - last)
         if moved > min(REACH, self._half_range[joint]):
@@ -291,7 +293,7 @@ class _Plan(NamedTuple):
         return cls(list(message.name), len(message.position), places, report._replace(outside=NameList()))
 
     def positions(self, received: Sequence[float]) -> dict[str, float] | None:
-        """Return the position of each joint; None if one is out of range."""
+        """Return the position of each joint; None if any position is out of range."""
         found = {}
         for joint, i, low, high in self.places:
             found[joint] = position = received[i]

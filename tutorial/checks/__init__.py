@@ -8,8 +8,8 @@ In a notebook::
     drive.solution()
 
 Each exercise has a module with the same name. Each step's module, such as `tank_controller`, lists the exercises of its
-notebook. The answer runs in a separate process and ROS domain, on simulated time, so it cannot disturb the learner's
-programs.
+notebook. The answer runs in a separate process and ROS domain, in simulated time, so that it cannot disturb the
+learner's programs.
 
-`exercise` is what the learner uses, `catalogue` lists all exercises, and `engine` contains the code that they share.
+Learners use `exercise`; `catalogue` lists all exercises, and `engine` contains the code that the exercises share.
 """

@@ -3,15 +3,15 @@
 Write the method `aim` of `HeldJoint`. It is called once per simulation step, with the stick's position between -1 and
 1, and holds the joint where the stick has put it:
 
-- The reference starts at the joint's angle. In each call it moves by `0.002 * stick` rad, so by 0.002 rad at full stick
-  and by half of that at half stick. It stays within `joint.range`, a pair (lower, upper).
+- The reference starts at the joint's angle. In each call it moves by `0.002 * stick` rad, which is 0.002 rad at full
+  deflection and half of that at half deflection. It stays within `joint.range`, a pair (lower, upper).
 - The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set `joint.effort` [N.m] to it in every call, even if the
   stick is at rest. `q` is `joint.position`, and `q_ref` is the reference after it has moved.
 - `dq_ref` and `dq` are speeds [rad/s]: the change in `q_ref` and in `q` since the last call, divided by `time_step`.
   You may use `joint.velocity` as `dq`.
 
-Hint 1: Which two numbers does the next call need? Keep them in self; both start at the joint's angle. And how far can
-the reference go? joint.range has two ends.
+Hint 1: Which two numbers does the next call need? Store them in self; both start at the joint's angle. And how far can
+the reference go? joint.range has two limits.
 
 Hint 2: Move the reference first, and clamp it to the range. A speed is the change since the last call divided by
 time_step, so compute both speeds while you still have the old values. Store the new values at the very end.
@@ -142,7 +142,7 @@ def last(*calls: Calls, **how: Any) -> Callable[[Trial], float]:
 
 
 def two(trial: Trial) -> tuple[float, ...]:
-    """Observe the torques [N.m] of two joints that are held in turn."""
+    """Observe the torques [N.m] of two joints that are held alternately."""
     first, second = play(trial, (1.0, 0.0, 10), (0.0, 0.0, 10)), play(trial, STILL, (-0.5, -1.0, 19), name="Tank")
     return list(zip(first, second))[-1]
 

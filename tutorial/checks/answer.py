@@ -1,25 +1,26 @@
 """The exercise `answer`: a request that the simulation's thread carries out, and its answer.
 
 Write the controller `AngleServer`. It offers the service `angle` of its body (type `Trigger`), which for the body
-`Tank` is `/Tank/angle`. The response says where the joint `TURRET_Y` of the simulated body is.
+`Tank` is `/Tank/angle`. The response reports the angle of the simulated body's joint `TURRET_Y`.
 
 - The simulated body belongs to the simulation's thread. During a step, its joints hold intermediate values, so only
-  this thread may read it, between two steps: use `config.ask`.
+  this thread may read them, and only between two steps: use `config.ask`.
 - The message is the angle with two decimals, such as `0.25 rad`, and `success` is True.
-- If the angle cannot be read within 0.5 s, `success` is False, and the message is the text of the `RefusedError`. So
-  no client waits much longer than that.
+- If the angle cannot be read within 0.5 s, `success` is False, and the message is the text of the `RefusedError`.
+  Therefore, no client waits much longer than 0.5 s.
 - It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys the service.
 
 Hint 1: Look at the three threads: configure runs on the main thread, the callback on the executor's thread, and the
 joint belongs to the simulation's thread. Which method gives you the simulated body, and on which thread does it run?
 
-Hint 2: Keep config.ask in configure, and the joint in initialize. Write a method that returns the text, and have the
+Hint 2: Store config.ask in configure, and the joint in initialize. Write a method that returns the text, and have the
 callback ask for it, with a timeout. A refusal is an exception.
 
 Hint 3: In the callback, try response.message = self.ask(self.read, timeout=0.5), then set response.success = True.
 Except for RefusedError as refusal, response.message = str(refusal). Return the response in both cases.
 
-Notice that the callback waits, which a callback should not: but only for another thread, and never for long.
+Notice that the callback waits, which a callback should not do; but it waits only for another thread, and never for
+long.
 """
 
 import threading
@@ -41,7 +42,7 @@ ENOUGH = 1.0  # [s] within which a request has to be answered
 
 
 class AngleServer(SimpleController):
-    """Say where the turret is."""
+    """Report the turret's angle on request."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the service, which is named after the body."""
@@ -73,7 +74,7 @@ class AngleServer(SimpleController):
 
 @contextmanager
 def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
-    """Simulate steps on a thread. Only between two steps does the turret have this angle [rad]."""
+    """Simulate steps on a thread. The turret has this angle [rad] only between two steps."""
     done = threading.Event()
 
     def run() -> None:
@@ -96,7 +97,7 @@ def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
 
 
 def read(name: str, *angles: float) -> Run:
-    """Observe the responses in a simulation of a body, whose turret has one angle after another."""
+    """Observe the responses in a simulation of a body whose turret is set to one angle after another."""
 
     def case(trial: Trial) -> str:
         said = []
@@ -110,7 +111,7 @@ def read(name: str, *angles: float) -> Run:
 
 
 def refused(trial: Trial) -> str:
-    """Observe the response without a simulation, and what is left behind."""
+    """Observe the response without a simulation, and what the controller leaves behind."""
     with closing(Bench(trial)) as bench:
         return bench.ask("/Tank/angle")
 

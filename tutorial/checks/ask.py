@@ -1,23 +1,23 @@
 """The exercise `ask`: ask two questions in a callback, and never wait for yourself.
 
-Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it asks
-`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: no need to check.
+Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it calls
+`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you need not check.
 
 - If both succeed, it returns the response of `/go_home`.
-- If `success` is False in the door's response, it does not ask `/go_home`, and returns the door's response.
+- If `success` is False in the door's response, it does not call `/go_home` and returns the door's response.
 - All callbacks of the program's node run on one thread. This thread must not wait for a response.
 - Create the clients in `configure`. In `unconfigure`, when the controller leaves the body, the node destroys the
   service and the clients.
 
-Hint 1: Look at what the executor's thread does while a response is on its way. It has to be free to receive it. And
-which callback group does the response need?
+Hint 1: Look at what the executor's thread does while a response is on its way. This thread has to be free to receive
+it. And which callback group does the response need?
 
-Hint 2: Make the callback a coroutine, async def, and await the futures of call_async. Give the two clients a callback
-group of their own, because the waiting callback occupies its group.
+Hint 2: Make the callback a coroutine, async def, and await the futures of call_async. Give the two clients a separate
+callback group, because the waiting callback occupies its own group.
 
 Hint 3: In configure, group = MutuallyExclusiveCallbackGroup(), and create_client(..., callback_group=group) for both.
 In the callback, opened = await self.open_door.call_async(Trigger.Request()), and return opened if not opened.success.
-Otherwise return what await self.go_home.call_async(Trigger.Request()) gives you.
+Otherwise, return the result of await self.go_home.call_async(Trigger.Request()).
 
 Notice that the callback reads like a list of steps, and that no second thread is needed.
 """
@@ -35,7 +35,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 
 
 class PitCrew(SimpleController):
-    """Answer requests for a pit stop, which takes two requests to other programs."""
+    """Answer requests for a pit stop, each of which requires two requests to other programs."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the clients and the service."""
@@ -60,7 +60,7 @@ class PitCrew(SimpleController):
 
 
 def stops(*replies: tuple[str, str]) -> Run:
-    """Observe pit stops, given the replies of both services, after which the controller leaves the body."""
+    """Observe pit stops for given replies of both services; then the controller leaves the body."""
 
     def case(trial: Trial) -> str:
         said = []
@@ -74,7 +74,7 @@ def stops(*replies: tuple[str, str]) -> Run:
 
 
 def twice(trial: Trial) -> str:
-    """Observe two requests, one after another, and what is left behind."""
+    """Observe two requests, one after another, and what the controller leaves behind."""
     with closing(Bench(trial)) as bench:
         bench.serve(open_door="open", go_home="home")
         said = [bench.ask("/pit_stop") for _ in range(2)]

@@ -5,7 +5,7 @@ four numbers from -1 to 1, whatever the message contains:
 
 - An axis outside the range from -1 to 1 is clamped: 1.5 counts as 1, and -3 as -1.
 - An axis that is not finite (NaN or an infinity) counts as 0. So does a missing axis.
-- A bad axis does not affect the others.
+- A bad axis does not affect other axes.
 
 The control loop calls it a thousand times a second, so it must not take longer for a million axes than for four. It
 never raises an exception, and it leaves the message unchanged.
@@ -13,14 +13,14 @@ never raises an exception, and it leaves the message unchanged.
 Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis? It can be
 missing, not finite, too large or too small.
 
-Hint 2: The slice axes[:4] has four axes, or fewer if the message has fewer. Append zeros to it, and take the first four
-of the result. Then go through those four. Check isfinite first, because NaN is neither smaller nor larger than any
-number, and clamp the finite ones with max and min.
+Hint 2: The slice axes[:4] has four axes, or fewer if the message has fewer. Append zeros to it, and use the first four
+numbers of the result. Then go through these four numbers. Check isfinite first, because NaN is neither smaller nor
+larger than any number, and clamp the finite numbers with max and min.
 
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
 
-Notice that no message can make the function fail or slow it down: it reads at most four axes, and checks each of them
+Notice that no message can make the function fail or slow it down: it reads at most four axes and checks each of them
 before using it.
 """
 
@@ -102,7 +102,7 @@ def million(trial: Trial) -> list[float]:
     """Observe the result for a million axes.
 
     Raises:
-        Misuse: the answer reads or copies more than a few of them.
+        Misuse: the answer reads or copies more than a few axes.
     """
     axes, message = Million("f", array("f", FOUR) * (MILLION // len(FOUR))), Joy()
     message._axes = axes  # the property would convert them to a plain array

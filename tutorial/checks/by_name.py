@@ -4,25 +4,25 @@ Write the function `match_by_name(joint_names, message)`. It returns a new dict 
 to the positions that the `JointState` `message` has for them. `joint_names` contains the names of the body's joints.
 
 - The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
-- Leave out names that the body does not have.
+- Ignore names that the body does not have.
 - If there are fewer or more positions than names, use the names that have a position. If there are no positions, the
   dict is empty.
-- Leave out positions for which `math.isfinite` returns False: NaN and infinities.
+- Ignore positions for which `math.isfinite` returns False: NaN and infinities.
 - If a name appears twice, use its last finite position.
 
 It never raises an exception, never makes up a position, and does not change the message.
 
-Hint 1: Look at the message's names and positions as pairs, in the message's order. Whether a pair counts does not
-depend on the other pairs.
+Hint 1: Look at the message's names and positions as pairs, in the message's order. You can check each pair
+independently of the other pairs.
 
-Hint 2: Go through names and positions with zip, which stops at the end of the shorter list. Leave out a pair if its
-name is not in joint_names or its position is not finite. Put the remaining pairs into a new dict, in order: if a name
-appears again, its new position replaces the earlier one.
+Hint 2: Go through names and positions with zip, which stops at the end of the shorter list. Skip a pair if its name is
+not in joint_names or its position is not finite. Put the remaining pairs into a new dict, in order: if a name appears
+again, its new position replaces the earlier one.
 
 Hint 3: One dict comprehension is enough: {name: position for name, position in zip(message.name, message.position)
 if ...}. The condition is name in joint_names and isfinite(position).
 
-Notice that zip handles a short array, and the dict handles a repeated name: neither needs a line of its own.
+Notice that zip handles a short array, and the dict handles a repeated name: you need no extra code for either.
 """
 
 from collections.abc import Callable, Sequence
@@ -70,7 +70,7 @@ EARLIER = 0.777  # [rad]; the position of every joint in an earlier message, whi
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:
-    """Make a case that passes an earlier message with all joints, then this one, and observes its result as text.
+    """Make a case that passes an earlier message with all joints, then this one, and observes the last result as text.
 
     Args:
         names, positions: the message's content; positions in [rad].

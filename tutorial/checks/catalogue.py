@@ -24,8 +24,8 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
     """Return all exercises in the course's order, by notebook, such as ``1_tank_controller``.
 
     A notebook and its module here have the same name, except for the number. The module's ``__all__`` lists the
-    exercises in the notebook's order. Modules without a notebook come last. The pocket ROS 2 has no services, so it
-    leaves out the exercises about them.
+    exercises in the notebook's order. Modules without a notebook come last. With the pocket ROS 2, which has no
+    services, the exercises about services are omitted.
     """
     names_of = exercise_names()
     if ros_backend() == "pocket":

@@ -5,17 +5,17 @@ is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` a
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive forward.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis counts as 0 if its absolute value is at most 0.3. Check each axis separately; outside of this dead zone, use
-  it unchanged.
+- An axis counts as 0 if its absolute value is at most 0.3. Check each axis separately; outside this dead zone, use it
+  unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
 - In `unconfigure`, when the controller leaves the body, the node destroys the subscription.
 
-Mind the threads: the callback runs on the executor's thread, `control` on the simulation's thread. So only `control`
-sets the tracks.
+Mind the threads: the callback runs on the executor's thread, `control` on the simulation's thread. Only `control` may
+set the tracks.
 
-Hint 1: Which thread calls on_joy, and which one calls control? How does the message get from one to the other? And what
-does control find before the first message, or in a short one?
+Hint 1: Which thread calls on_joy, and which one calls control? How does the message get from one thread to the other?
+And what does control find before the first message, or in a message with too few axes?
 
 Hint 2: In configure, make a Latest with an empty Joy() before you subscribe. The callback puts the message into it. In
 every step, control gets it once, reads it with four_axes, applies the dead zone to each axis, and sets both tracks.
@@ -24,7 +24,7 @@ Hint 3: In configure: self.node = config.node and self.joy = Latest(Joy()). In c
 four_axes(self.joy.get()); then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]); then
 self.track_l.ctrl and self.track_r.ctrl. In unconfigure: self.node.destroy_subscription(self.subscription).
 
-Notice that control gets the message once and reads both axes from it, and that you need no lock of your own.
+Notice that control gets the message once and reads both axes from it, and that your code needs no lock.
 """
 
 from collections.abc import Callable

@@ -71,7 +71,7 @@ class Exercise:
         _say(str(seen))
 
     async def examine(self, answer: Any) -> Verdict | str:
-        """Run an answer in a separate process and return the verdict, or a message that says why it cannot run."""
+        """Run an answer in a separate process and return the verdict, or a message that explains why it cannot run."""
         return self._first_look(answer) or self._verdict(*await contain(self.module, self.name, answer))
 
     def judge(self, answer: Any) -> Verdict:

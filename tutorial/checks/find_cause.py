@@ -1,9 +1,9 @@
-"""The exercise `find_cause`: say why the messages of a topic do not arrive.
+"""The exercise `find_cause`: find out why the messages of a topic do not arrive.
 
 Write the function `cause_of(facts)`. It returns the name of the first cause in this list that applies, or `None` if
 all is well:
 
-- `"domain"`: the topic has no publisher here, but it has one in another domain.
+- `"domain"`: the topic has no publisher in this domain, but it has one in another domain.
 - `"nobody"`: the topic has no publisher at all.
 - `"type"`: there is a subscription whose type no publisher has.
 - `"reliability"`: there is a `reliable` subscription, and no publisher of its type is `reliable`.
@@ -17,9 +17,9 @@ One compatible publisher is enough for a subscription. In each graph, at most on
 publisher. `clock_users` holds the full names of nodes, such as `"/tank"`.
 
 Hint 1: Look at the list of causes: without a publisher, only two are possible. And one compatible publisher is
-enough for a subscription, so look at all publishers before you blame one.
+enough for a subscription, so look at all publishers before you return a cause.
 
-Hint 2: Return early. Start with the two causes without a publisher. Then narrow down the publishers for each
+Hint 2: Return early. Start with the two causes that apply without a publisher. Then narrow down the publishers for each
 subscription: first to those of its type, then to those that are also reliable enough, then to those that are also
 durable enough. The first empty list names the cause. Only then look at the messages.
 
@@ -27,7 +27,8 @@ Hint 3: same = [each for each in facts.publishers if each.type == subscription.t
 each.reliable or not subscription.reliable], and the same with transient_local. If not facts.received: "clock" if
 any(each.node in facts.clock_users for each in facts.publishers) and not facts.clock_ticks, otherwise "silent".
 
-Notice that `tank doctor` works like this: it goes through a list of causes, and names the first that the facts support.
+Notice that `tank doctor` works like this: it goes through a list of causes and names the first cause that the facts
+support.
 """
 
 import sys
@@ -158,7 +159,7 @@ def named(trial: Trial, facts: Facts) -> str:
     """Call the answer, and return the name of the cause.
 
     Raises:
-        Misuse: there is no cause with the returned name, or the answer prints the right name instead of returning it.
+        Misuse: no cause has the returned name, or the answer prints the right name instead of returning it.
     """
     with redirect_stdout(StringIO()) as printed:
         returned = trial.call(trial.answer, facts)

@@ -11,7 +11,7 @@ Hint 1: Think of messages without a pressed button: button 0 is released, or the
 self.fire have to hold after such messages?
 
 Hint 2: message.buttons is a list, and it can be empty. Check its length before you read its first entry. Then put the
-result, whether it is True or False.
+result into self.fire, whether it is True or False.
 
 Hint 3: pressed = len(message.buttons) > 0 and ..., then self.fire.put(pressed).
 
@@ -121,7 +121,7 @@ def after(*states: tuple[int, ...]) -> Callable[[Trial], bool]:
 
 
 def two(trial: Trial) -> list[bool]:
-    """Observe two tanks after the button of only the first one's joystick is pressed."""
+    """Observe two tanks after a button is pressed only on the first tank's joystick."""
     first, second = Rig(trial), Rig(trial, name="Tank")
     return [held(first, (1,)), held(second)]
 

@@ -5,17 +5,17 @@ in order of receipt; each `message` is a `JointState`. It returns a list of even
 
 - `("gap", before, after)` if a stamp is more than 0.1 s after the newest one so far;
 - `("restart", before, after)` if a stamp is more than 1 s before the newest one so far. The publisher has restarted,
-  and the newest stamp starts over with this one.
+  and this stamp becomes the newest one.
 
 `before` is the newest stamp so far and `after` is the message's stamp, both in whole nanoseconds. A message that is
 only a little late, or as old as the newest one, is not an event. Report every event, even if it repeats an earlier
 gap or restart. The list can be empty: never raise an exception, and don't change the list.
 
-Hint 1: What do you compare each stamp with? Not with the previous one, which may have been late, but with the newest
-so far. And the bag's own times don't show when a message was made.
+Hint 1: What do you compare each stamp with? Not with the previous stamp, which may have been late, but with the newest
+stamp so far. And the bag's own times don't show when a message was made.
 
 Hint 2: Keep the newest stamp in a variable, None before the first message. Time.from_msg of rclpy.time turns a stamp
-into whole nanoseconds. Then there are three cases: far ahead, far back, and everything else.
+into whole nanoseconds. Then distinguish three cases: far ahead, far behind, and everything else.
 
 Hint 3: In the loop: if newest is None, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
 newest - stamp > 1_000_000_000, append a restart; after either, newest = stamp. Otherwise newest = max(newest, stamp).
@@ -109,7 +109,7 @@ def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tu
     Args:
         stamps: the stamps of the messages [s].
         since: the time to add to all stamps [s].
-        every: the time from one receipt to the next [s].
+        every: the time between the receipt of two messages [s].
     """
     for i, stamp in enumerate(stamps):
         message = JointState(name=["TURRET_Y"], position=[0.1])
@@ -208,7 +208,7 @@ CASES = [
 
 
 def describe(found: Found) -> str:
-    """List as many events as fit into half a line, which leaves room for the expected ones."""
+    """List as many events as fit into half a line, which leaves room for the expected events."""
     said = [f"{what} {' to '.join(map(str, stamps))}" for what, *stamps in found]
     count = len(said)
     while count > 1 and len(", ".join(said[:count])) > HALF_A_LINE:

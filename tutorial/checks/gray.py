@@ -83,7 +83,7 @@ class GrayPublisher(SimpleController):
         self.publisher.publish(message)
 
     def stop(self) -> None:
-        """Close the camera: it delivers no more pictures."""
+        """Close the camera, so that it delivers no more pictures."""
         self.camera.close()
 
     def unconfigure(self) -> None:
@@ -120,7 +120,7 @@ SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
 
 @cache
 def picture(number: int, width: int, height: int) -> Pixels:
-    """Make a picture whose pixels all differ; each pixel's mean is a third above a whole number."""
+    """Make a picture whose pixels all differ; each pixel's mean is a whole number plus one third."""
     random = np.random.default_rng(number)
     grays = random.permutation(width * height) * 3 + 60
     tints = random.permuted([[40, -10, -29]] * len(grays), axis=1)
@@ -131,7 +131,7 @@ def picture(number: int, width: int, height: int) -> Pixels:
 class Camera:
     """A stand-in for `tutorial.view.camera.Camera`.
 
-    Attributes that a real camera lacks begin with an underscore, so no error message suggests them to a learner.
+    Attributes that a real camera lacks begin with an underscore, so that no error message suggests them to a learner.
 
     Args:
         rig: the camera's rig.
@@ -204,7 +204,7 @@ def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
 
 
 def word(data: list[int]) -> str:
-    """Describe bytes: how many there are, and the first six."""
+    """Describe bytes: their number and the first six bytes."""
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 
@@ -233,7 +233,7 @@ def still(trial: Trial) -> Any:
 
 
 def frame(frame_id: str) -> str:
-    """Return a picture's frame. The camera's name alone counts as its optical frame."""
+    """Return a picture's frame. The camera's name alone is accepted as its optical frame."""
     return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
 
 

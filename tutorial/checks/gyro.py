@@ -8,19 +8,20 @@ node's namespace.
   publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. Publish the first
   message at any step within 1/10 s after the start; at the very first step it averages a single value.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
-- The angular velocity is the average of the sensor `GYRO`'s values since the last message: one value per step,
+- The angular velocity is the average of the `GYRO` sensor's values since the last message: one value per step,
   including the step in which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
 - The stamp is the simulated time of publication.
-- The frame is the sensor's, `Tank/GYRO`: it includes the body's name. On the tank you may also use the chassis,
-  `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
+- The frame is the sensor's frame, `Tank/GYRO`, which includes the body's name. On the tank you may also use the
+  chassis, `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its
+  jib.)
 - It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
   continue: they don't start at 0 again.
 - In `unconfigure`, when the controller leaves the body, the node destroys its publisher.
 
 Hint 1: Look at how often each thing happens. You measure in every step, but with steps of 1 ms you publish only in
-every hundredth. Keep the measurements until you publish.
+every hundredth step. Collect the measurements until you publish.
 
 Hint 2: In initialize, look up the sensor, and start with an empty list. In control, append the sensor's value in every
 step. When a message is due, publish the average of the list, and empty it. Mark the unmeasured fields.
@@ -173,7 +174,7 @@ def marks(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe the frame of the last message. For the tank Rover, its chassis counts as the sensor's own frame."""
+    """Observe the frame of the last message. On the tank Rover, the chassis's frame is also accepted."""
     frame_id = sent[-1].message.header.frame_id
     return repr("Rover/GYRO" if frame_id == "Rover/base_link" else frame_id)
 

@@ -20,8 +20,8 @@ Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, s
 a blow, land first; then store the position, move the body up, and start a new timer. Also land in unconfigure.
 
 Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
-notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
-back self.place itself: if you add and subtract, the result is not exactly the same.
+notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land.
+Assign self.place itself to the position: if you add and subtract 0.1, the result is not exactly the same.
 
 Notice that the timer, the next blow and unconfigure all use the same method to land: whichever comes first ends the
 hop.
@@ -87,7 +87,7 @@ class HopViewer(SimpleController):
             self.move(self.place)
 
     def move(self, position: ArrayLike) -> None:
-        """Put the body at a position, and have it drawn."""
+        """Put the body at a position, and update the view."""
         self.body.position = position
         self.body.calc_forward_kinematics()
         self.body.notify_change()
@@ -154,7 +154,7 @@ def land(hall: Hall) -> None:
 
 
 def wait(hall: Hall) -> None:
-    """Let less than half a second pass."""
+    """Wait for less than half a second."""
     hall.drain(0.375)
 
 

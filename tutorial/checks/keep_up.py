@@ -1,17 +1,17 @@
-"""The exercise `keep_up`: a viewer that shows the newest message, and keeps at most one call waiting.
+"""The exercise `keep_up`: a viewer that shows the newest message, with at most one waiting call.
 
 Write the controller `CalmViewer`, for messages that contain whole states. It works like `MyViewer`, with one
-difference, so it keeps up with any publisher:
+difference, which lets it keep up with any publisher:
 
-- While the main thread is busy, at most one call waits for it. When this call runs, it draws once: the newest message.
-- So earlier messages are not shown. But the last message always is, even if the publisher then falls silent, and even
-  if it arrives while another message is being drawn.
+- While the main thread is busy, at most one call waits for it. When this call runs, it draws only the newest message.
+- Earlier messages are therefore not shown. The last message is always shown, even if no message follows, and even if it
+  arrives while another message is being drawn.
 
 Hint 1: Look at what waits while the main thread is busy. With MyViewer, a call waits for every message, although you
-will see only the newest. What has to happen to a waiting call when the next message arrives?
+will see only the newest message. What has to happen to a waiting call when the next message arrives?
 
-Hint 2: ControllerConfig has two ways to post. With one of them, a new call replaces a waiting one if you post both
-under the same key. The key says what the call is about. Everything else stays as in MyViewer.
+Hint 2: ControllerConfig has two ways to post a call. With one of them, a new call replaces a waiting one if you post
+both under the same key. The key identifies the calls that replace each other. Everything else stays as in MyViewer.
 
 Hint 3: In configure, store config.call_latest instead of config.call_later. Its first argument is a key, which has to
 be the same for every message, for example the body's name. The function and the message follow, as before.

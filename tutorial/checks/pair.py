@@ -7,16 +7,17 @@ the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it 
 - Either message can arrive first, and one topic can be ahead of the other. Each topic's messages arrive in the order of
   their stamps.
 - When a pair is complete, drop all messages that arrived before its first message: their partners would be too late.
-  Messages that arrived after that one can still find their partners.
-- At most 50 messages wait. Count them per topic or in total, as you like. If there are more, drop the one that
+  Messages that arrived later can still find their partners.
+- At most 50 messages wait. Count them per topic or in total, as you like. If there are more, drop the message that
   *arrived* first.
 - After a restart of the publisher, the stamps start at 0 again. Match these messages immediately, too.
 
 Hint 1: When a message arrives, you have to find the other topic's message with the same stamp. What do you have to
-keep, under which key, to find it directly?
+store, and under which key, to find that message directly?
 
-Hint 2: Keep a dict from each stamp to its messages by stream. A dict keeps its keys in insertion order, so the first
-key has waited longest. Drop from there: up to the stamp of a complete pair, or one key if more than 50 wait.
+Hint 2: Use a dict that maps each stamp to its messages by stream. A dict keeps its keys in insertion order, so the
+first key has waited longest. Drop keys from the beginning: up to the stamp of a complete pair, or one key if more than
+50 wait.
 
 Hint 3: The stamp is message.header.stamp.sec, message.header.stamp.nanosec. together is
 self.waiting.setdefault(stamp, {}), and together[stream] becomes the message. If together has two, delete
@@ -45,7 +46,7 @@ class Pairs:
         self.waiting: dict[tuple[int, int], dict[str, Any]] = {}
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Take a message, and return the pair that it completes, if any."""
+        """Add a message, and return the pair that it completes, if any."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         together = self.waiting.setdefault(stamp, {})
         together[stream] = message
@@ -99,7 +100,7 @@ def poses(*stamps: int) -> list[Arrival]:
 
 
 def in_turn(*stamps: int) -> list[Arrival]:
-    """Return the arrivals of joint states and a pose for each of these stamps [ms], in turn."""
+    """Return the arrivals of joint states and a pose, alternately, for each of these stamps [ms]."""
     return [arrival for stamp in stamps for arrival in (*joints(stamp), *poses(stamp))]
 
 
@@ -113,7 +114,7 @@ def message_of(stream: str, stamp: int) -> Any:
 def add(
     trial: Trial, pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]
 ) -> list[Arrival] | None:
-    """Add a message, and return the arrivals of the answer's pair, or None if there is no pair.
+    """Add a message, and return the arrivals of the answer's pair; None if it returned no pair.
 
     Raises:
         Failure: the answer raised an exception, or returned neither None nor a pair with this message.
@@ -197,7 +198,7 @@ CASES = [
 
 
 def describe(returned: Sequence[Any]) -> str:
-    """List the pairs' stamps; if there are many, only the first and the last."""
+    """List the pairs' stamps; if there are many stamps, only the first and the last."""
     pairs = [_name(*pair) for pair in returned if pair]
     count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 4 else f"{pairs[0]} to {pairs[-1]}"
     return f"{count} pair{'s' * (count != 1)}: {shown}" if pairs else "no pair"

@@ -30,12 +30,12 @@ UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)  # reading a broken
 
 
 def remember(exercise: str) -> None:
-    """Record that an exercise is solved, if this is a notebook. A recorded date never changes.
+    """Record that an exercise is solved, if this process is a notebook's kernel. A recorded date never changes.
 
     If the file cannot be read or written, nothing is recorded and the file stays unchanged: the check still succeeds.
 
     Args:
-        exercise: its name.
+        exercise: the exercise's name.
     """
     path = _file(Path())
     if _in_notebook():
@@ -52,7 +52,7 @@ def read_progress(folder: Path | None = None) -> tuple[dict[str, Any], str]:
         folder: the notebooks' folder; None for the current directory.
 
     Returns:
-        The day when each exercise was solved, by name, and an error message, empty if the file is fine.
+        The day when each exercise was solved, by name, and an error message, which is empty if the file is valid.
     """
     path = _file(Path()) if folder is None else folder / FILE
     try:

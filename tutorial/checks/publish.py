@@ -86,7 +86,7 @@ UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 
 def moving(trial: Trial, speed: int = 1, **options: Any) -> Rig:
-    """Make a rig whose joints all move differently, so no two numbers are equal; with ``speed`` 0, they rest."""
+    """Make a rig whose joints all move differently, so that no two numbers are equal; with ``speed`` 0, they rest."""
 
     def move() -> None:
         data = rig.body.data

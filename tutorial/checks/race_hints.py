@@ -22,7 +22,7 @@ def hint(number: int = 1) -> None:
     """Print a hint for the race.
 
     Args:
-        number: the hint's number, from 1. Later hints say more.
+        number: the hint's number, from 1. Later hints reveal more.
     """
     count = len(HINTS)
     if number not in range(1, count + 1):

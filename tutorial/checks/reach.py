@@ -1,23 +1,23 @@
 """The exercise `reach`: connect two incompatible programs.
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
-volatile. The program of a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
+volatile. The program for a screen on the wall subscribes to `/wall/joint_state` and asks for `RELIABLE` and
 `TRANSIENT_LOCAL`, because it often starts late. You can change neither. A `QoSProfile(depth=...)` is `RELIABLE` by
 default; here, any depth will do.
 
-Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning, and creates a
+Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning and creates a
 subscription and a publisher on it.
 
 - Each of the robot's messages reaches the screen, unchanged, exactly once and in order, even if it repeats the
   previous one.
-- `on_joint_state` is the callback. It publishes immediately, and creates no publisher or subscription: subscriptions
+- `on_joint_state` is the callback. It publishes immediately and creates no publisher or subscription: subscriptions
   take time to discover a publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
-- A screen that starts late gets the robot's newest message, even if no screen was there before, and however old the
+- A screen that starts late gets the robot's newest message, even if no screen was connected before, and however old the
   message is.
 
-Hint 1: Look at both connections separately. In each, one side offers and the other asks. What is the most that the
-relay can ask of the robot, and the least that it has to offer the screen?
+Hint 1: Look at both connections separately. In each connection, one side offers and the other side asks. What is the
+most that the relay can ask of the robot, and the least that it has to offer the screen?
 
 Hint 2: The subscription asks for no more than the robot offers: give it the robot's own profile. The publisher offers
 all that the screen asks for: a QoSProfile with a depth of 1, whose reliability is RELIABLE by default, and whose
@@ -137,7 +137,7 @@ class Wiring:
         """Check that nothing is published outside of the callback, by a timer or a thread.
 
         Raises:
-            Misuse: a timer publishes, or there is a thread.
+            Misuse: a timer publishes, or a thread is running.
         """
         count = len(self._published)
         for each in self.node.timers:
@@ -150,7 +150,7 @@ class Wiring:
 
     @property
     def shown(self) -> list[JointState]:
-        """The messages that the screen has received; if there are none, the messages on other topics."""
+        """The messages that the screen has received; if there are no such messages, those on other topics."""
         on_wall = [message for topic, message in self._published if topic == WALL]
         return on_wall or [message for _, message in self._published]
 
@@ -214,7 +214,7 @@ def message_of(angle: float) -> JointState:
 
 
 def shown(*angles: float, relays: int = 1, screens: int = 1) -> Run:
-    """Observe what the screen shows of some messages: the number in each, and whether it has changed."""
+    """Observe what the screen shows of some messages: each message's number, and whether the message has changed."""
 
     def run(trial: Trial) -> list[str]:
         wirings = [Wiring(trial, screens=screens) for _ in range(relays)]
@@ -236,7 +236,7 @@ def at_once(trial: Trial) -> str:
 
 
 def on_ros(trial: Trial) -> str:
-    """Try the relay with rclpy's own nodes and a late screen."""
+    """Try the relay with rclpy's own nodes and a screen that starts late."""
     early, late = list[JointState](), list[JointState]()
     with ros_node() as node, ros_node() as others:
         trial.call(trial.answer, node)

@@ -6,16 +6,17 @@ Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
   and writes each immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an
   entry even if its payload or time repeats an earlier one: a repeated message is still a message. `self.received.get()`
   waits for an entry. `None` ends the thread.
-- `unconfigure` ends everything that `configure` has started. Afterwards, every received message is in the bag, and
-  nothing writes into it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
-- You may also extend `configure`. If you do, call `super().configure(config)` in it. This call starts the thread, so
-  set everything that `write` needs before it.
+- `unconfigure` stops everything that `configure` has started. Afterwards, every received message is in the bag, and
+  nothing writes to it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
+- You may also extend `configure`. Then call `super().configure(config)` in it. This call starts the thread, so first
+  set everything that `write` needs.
 
-Hint 1: Go through unconfigure line by line. After each line: can a message still arrive, does one still wait in the
-queue, can the thread still write?
+Hint 1: Go through unconfigure line by line. After each line: can a message still arrive, is a message still waiting in
+the queue, can the thread still write?
 
-Hint 2: First stop listening, so nothing more arrives. Then put a last entry that ends the thread, wait until it has
-ended, and only then close the bag. In write, a loop takes one entry after another until it gets None.
+Hint 2: First stop listening, so that no more messages arrive. Then put a last entry into the queue, which ends the
+thread; wait until the thread has ended, and only then close the bag. In write, a loop takes one entry after another
+until it gets None.
 
 Hint 3: while received := self.received.get(): self.bag.write(self.connection, *received). And unconfigure has four
 lines: self.node.destroy_subscription(self.subscription), self.received.put(None), self.writer.join() and
@@ -50,7 +51,7 @@ class MyRecorder(QueueRecorder):
     """Write the queue's entries on a separate thread."""
 
     def write(self: Any) -> None:
-        """Write one entry after another, until None."""
+        """Write one entry after another, until an entry is None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 
@@ -97,7 +98,7 @@ OFTEN = 100  # the limit on consecutive calls to empty()
 class Surroundings:
     """A recorder's queue, node, thread and bag. The disk takes a second to write the first message.
 
-    So the thread pauses during that write, or when the queue is empty, until something waits for the thread to end.
+    The thread pauses during that write, or when the queue is empty, until some code waits for the thread to end.
 
     Args:
         trial: the trial of the learner's recorder.
@@ -171,7 +172,7 @@ class Surroundings:
             self.turn.get()
 
     def get(self, block: bool = True, timeout: float | None = None) -> Any:
-        """Take an entry out of the queue."""
+        """Remove an entry from the queue and return it."""
         self.asked = 0
         self.keeps |= self.taken > len(self.written)
         if not self.entries and not self.coming:
@@ -218,7 +219,7 @@ class Surroundings:
             self.thread.join()
 
     def write(self, connection: str, timestamp: int, data: bytes) -> None:
-        """Write into the bag."""
+        """Write to the bag."""
         odd = " (wrong connection)" * (connection != self.recorder.connection) + " (too late)" * (not self.is_open)
         beside = " (outside of the thread)" * (current_thread() is not self.thread and self.thread.is_alive())
         self.written.append(f"{data!r} at {timestamp!r} ns{odd}{beside}")

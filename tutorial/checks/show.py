@@ -1,12 +1,12 @@
-"""The exercise `show`: show joint states on a displayed body. `keep_up` has the same requirements and more.
+"""The exercise `show`: show joint states on a displayed body. `keep_up` has the same requirements and one more.
 
 Write the controller `MyViewer`. It subscribes to the topic `joint_state` of its body, which for the body `Tank` is
 `Tank/joint_state` (type `JointState`), and shows the received states on the displayed body. The node has no
 namespace, so the topic can also begin with a slash.
 
-- The displayed body belongs to the main thread. The callback only posts, with `config.call_later`, and returns.
-- The posted call matches by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and notifies
-  (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
+- The displayed body belongs to the main thread. The callback only posts a call (`config.call_later`) and returns.
+- The posted call matches joints by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and
+  notifies (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
 - It shows every message, even if it repeats the previous one, and even if its stamp is smaller after a restart
   of the publisher. It may drop a message that is only late, as `JointMatcher` does.
 - It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys its subscription.
@@ -68,7 +68,7 @@ class MyViewer(SimpleController):
 
 
 def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_000) -> JointState:
-    """Make a message with a stamp [ms]. In `names`, Y and P stand for the tank's joints."""
+    """Make a message with a stamp [ms]. In `names`, Y and P are short for the tank's joints."""
     short = {"Y": "TURRET_Y", "P": "TURRET_P"}
     message = JointState(name=[short.get(name, name) for name in names.split()], position=list(positions))
     message.header.stamp.sec, rest = divmod(milliseconds, 1000)

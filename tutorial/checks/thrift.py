@@ -1,23 +1,23 @@
 """The exercise `thrift`: publish only the joints that have moved.
 
 Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body (for the
-tank `Tank/joint_state`), but only changes:
+tank `Tank/joint_state`), but only the changes:
 
 - 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those
   that it last sent. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
   multiples of 1/50 s.
-- The message names these joints, with their positions. If there are none, it sends nothing.
+- The message names these joints, with their positions. If no joints have moved, it sends nothing.
 - The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
   `initialize` is called again, and `io.step` and `io.time_ns` continue: they don't start at 0 again.
 - The stamp is the simulated time of publication. Velocity and effort stay empty.
 - In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
-Hint 1: What do you compare each position with? With the one that you last sent for this joint, perhaps long ago; not
-with the one from 20 ms ago. Compare each joint separately.
+Hint 1: What do you compare each position with? With the position that you last sent for this joint, perhaps long ago;
+not with its position 20 ms ago. Compare each joint separately.
 
-Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at first, so all
-joints are new. In each step in which a message is due, collect the joints that have moved. If there are any, send them,
-and store in the dict what you have sent.
+Hint 2: Keep a dict from each joint's name to the position that you last sent for this joint. The dict is empty at
+first, so all joints are new. In each step in which a message is due, collect the joints that have moved. If there are
+any, send them, and store the sent positions in the dict.
 
 Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
 0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then
@@ -55,7 +55,7 @@ class ThriftyPublisher(SimpleController):
         self.steps_per_look = round(1 / (50 * io.time_step))
 
     def control(self) -> None:
-        """Publish the joints that have moved, if the step is due."""
+        """Publish the joints that have moved, if a message is due."""
         if self.io.step % self.steps_per_look == 0:
             positions = {joint.name: joint.position for joint in self.io.body.joints}
             news = {n: q for n, q in positions.items() if n not in self.sent or abs(q - self.sent[n]) > 0.001}
@@ -138,7 +138,7 @@ def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe which joints the messages name in each period of 1/50 s; the first two periods count as one."""
+    """Observe which joints the messages name in each period of 1/50 s; the first two periods are treated as one."""
     steps = round(LOOK / rig.io.time_step)
     found = [f"{named(each.message)} in period {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}

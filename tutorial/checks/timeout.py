@@ -9,7 +9,7 @@ and the simulated time [s]. It returns `True` if this message arrived at most 0.
   show simulated time.
 - A message that arrives after a stale one is fresh again.
 
-Hint 1: A call gives you the message and the time. What do you have to keep from earlier calls, to see whether the
+Hint 1: A call gives you the message and the time. What do you have to store in earlier calls, to see whether the
 message is new, and how old it is?
 
 Hint 2: Keep the newest message, and the time of its arrival. Compare the messages with `is not`, because `!=` compares

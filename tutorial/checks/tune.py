@@ -1,16 +1,16 @@
 """The exercise `tune`: parameters that other programs can set, and a check that refuses.
 
 Write the controller `TrackLimits`. It declares two parameters of the program's node, `speed` and `turn` [m/s], with the
-values 1.0 and 0.5. Both are doubles, have a description, and a range from 0.0 to 2.0.
+values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0.
 
-- Their sum must not be above 2.5. The controller refuses what would exceed that, and the reason contains the sum,
+- Their sum must not be above 2.5. The controller refuses values with a larger sum, and the reason contains the sum,
   such as `3.5`.
-- If both are set together, only the new values count.
+- If both are set together, only the new values matter.
 - `limits()` returns the current values as a tuple, `(speed, turn)`.
 - In `unconfigure`, when the controller leaves the body, it removes its callback and undeclares both parameters.
 
 Hint 1: Look at what the callback gets: a list of the parameters that are being set, one or both. For a parameter that
-is not in the list, the value that it has now counts.
+is not in the list, use its current value.
 
 Hint 2: In the callback, make a dict of the current values, and update it with the names and values of the list. Then
 test the sum. The callback changes nothing itself: self.node.get_parameter(name).value is always the accepted value.
@@ -19,7 +19,7 @@ Hint 3: new = {"speed": ..., "turn": ...} from get_parameter, then new.update({e
 parameters}). If new["speed"] + new["turn"] > 2.5, return SetParametersResult(successful=False, reason=...), otherwise
 SetParametersResult(successful=True). Register it with node.add_on_set_parameters_callback.
 
-Notice that rclpy itself refuses wrong types and values out of the range, before it calls your callback.
+Notice that rclpy itself refuses wrong types and values outside the range, before it calls your callback.
 """
 
 import warnings
@@ -55,7 +55,7 @@ class TrackLimits(SimpleController):
         return self.node.get_parameter("speed").value, self.node.get_parameter("turn").value
 
     def check(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Refuse limits that are too high together."""
+        """Refuse limits whose sum is too high."""
         new = dict(zip(("speed", "turn"), self.limits()))
         new.update({each.name: each.value for each in parameters if each.name in new})
         total = new["speed"] + new["turn"]
@@ -64,14 +64,14 @@ class TrackLimits(SimpleController):
         return SetParametersResult(successful=True)
 
     def unconfigure(self) -> None:
-        """Take the parameters back."""
+        """Remove the callback and the parameters."""
         self.node.remove_on_set_parameters_callback(self.check)
         self.node.undeclare_parameter("speed")
         self.node.undeclare_parameter("turn")
 
 
 def tried(*sets: dict[str, Any], reason: str = "") -> Run:
-    """Observe whether the node accepts values, each dict set at once, and the limits then.
+    """Observe whether the node accepts values, and the limits afterwards. All values in a dict are set together.
 
     Args:
         sets: the values to set, one dict after another.
@@ -108,7 +108,7 @@ def limits(trial: Trial, bench: Bench) -> tuple[float, float]:
 
 
 def described(trial: Trial) -> str:
-    """Observe the declared parameters, and what is left of them in the end."""
+    """Observe the declared parameters, and whether any of them remain at the end."""
     with closing(Bench(trial)) as bench:
         said = []
         for name in ("speed", "turn"):

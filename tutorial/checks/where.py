@@ -9,11 +9,11 @@ list, a tuple or an array of three numbers. Their error must be at most 0.1 mm, 
   is empty, return the point unchanged.
 - It works with any number of transforms and any rotation. Don't change the list, the messages or the point.
 
-Hint 1: Which frame is the point in? Only the last transform knows that frame. Where is the point after this transform,
-and which frame is it in then?
+Hint 1: Which frame is the point in? Only the last transform applies to that frame. Where is the point after this
+transform, and which frame is it in then?
 
 Hint 2: Go through the transforms from the last to the first. Each one turns the point by its rotation, with turned,
-and then adds its translation. Pass the result to the transform before it in the list.
+then adds its translation. Pass the result to the previous transform in the list.
 
 Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
 turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). After the loop, return the point.
@@ -110,7 +110,7 @@ def in_order(rotations: Sequence[Quaternion], point: ArrayLike) -> ArrayLike:
 
 
 def messages(chain: Chain) -> Iterator[TransformStamped]:
-    """Make the messages of a chain. The outermost frame is map for a chain of five, and odom for a shorter one."""
+    """Make the messages of a chain. The outermost frame is map for a chain of five, and odom for a shorter chain."""
     frames = FRAMES if len(chain) == 5 else FRAMES[1:]
     for (xyz, axis, angle), parent, child in zip(chain, frames, frames[1:]):
         stamped = TransformStamped(child_frame_id=child)

@@ -29,7 +29,7 @@ def query(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
 
     The node is hidden, like the node of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit
     status follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed
-    unchanged, because some reuse the text of a ``ros2`` error, such as "Unknown topic".
+    unchanged, because some of these errors reuse the text of a ``ros2`` error, such as "Unknown topic".
     """
 
     @click.pass_obj

@@ -66,7 +66,7 @@ def check(
     instead of a verdict: they race one after another, each for at most 40 s.
 
     The exit status is 1 if any answer is wrong, could not be judged, or is a driver that failed. Exercises that were
-    not tried do not count.
+    not tried do not affect it.
     """
     from rich.console import Console
 

@@ -1,4 +1,4 @@
-"""The demo's closing tables, which compare the records of a run's processes."""
+"""The tables at the end of the demo, which compare the records of a run's processes."""
 
 import json
 from collections.abc import Mapping, Sequence

@@ -55,7 +55,7 @@ class Diagnosis(NamedTuple):
     Attributes:
         level: ``"ok"``; ``"note"`` if the result may be surprising; ``"problem"`` if something does not work.
         text: what the probe found.
-        fix: the fix, such as a command. Notes and problems have one.
+        fix: the fix, such as a command. Notes and problems have a fix.
     """
 
     level: Literal["ok", "note", "problem"]
@@ -102,7 +102,7 @@ def ask(question: Callable[[], Any], timeout: float = TIMEOUT) -> Any:
         timeout: the time limit [s].
 
     Raises:
-        TutorialError: the function crashed, failed or took too long; the error says which.
+        TutorialError: the function crashed, failed or took too long; the error reports which.
     """
     code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
     command = [sys.executable, "-P", "-X", "utf8", "-c", code]
@@ -181,7 +181,7 @@ def _kind() -> Kind:
     """Return which of the four kinds of ROS 2 is in use.
 
     Raises:
-        TutorialError: the requested one cannot be used.
+        TutorialError: the requested ROS 2 cannot be used.
     """
     if ros_backend() == "pocket":
         return "pocket"

@@ -33,7 +33,7 @@ class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class ScriptedDrive:
-    """A drive scripted in a YAML file: a list of times, each with the axes from then on.
+    """A drive scripted in a YAML file: a list of times, each with the axes that apply from that time on.
 
     Args:
         path: the file. With ``repeat: true`` the drive restarts at the time of its last entry.
@@ -53,7 +53,7 @@ class ScriptedDrive:
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return the axes at a time [s] after the drive's start, and no buttons."""
+        """Return the axes at a time [s] after the drive's start, without buttons."""
         if self._period:
             seconds %= self._period
         i = bisect_right(self._times, seconds) - 1
@@ -67,7 +67,7 @@ class Gamepad:
         controller: pygame's controller.
 
     Attributes:
-        name: the gamepad's own name.
+        name: the gamepad's name.
     """
 
     def __init__(self, controller: Any) -> None:
@@ -94,8 +94,8 @@ class Gamepad:
     def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad only has current values
         """Return the current axes and buttons, as the ROS 2 joy package's ``game_controller_node`` publishes them.
 
-        In SDL, right and backward are positive. That node inverts every axis: left and forward are positive, and a
-        trigger goes from 0 to -1.
+        In SDL, right and backward are positive. The ``game_controller_node`` inverts every axis: left and forward are
+        positive, and a trigger goes from 0 to -1.
         """
         import pygame  # noqa: PLC0415
 
@@ -115,8 +115,8 @@ def publish_joystick(
 ) -> float:
     """Publish a joystick on ``joy`` at 50 Hz until the time is up or `stop` is set.
 
-    A scripted drive starts with the first subscription, so that the subscriber receives all of it. The last message
-    centres the sticks.
+    A scripted drive starts with the first subscription, so that the subscriber receives the whole drive. The last
+    message centres the sticks.
 
     Args:
         node: the node to publish with.

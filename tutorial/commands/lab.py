@@ -28,8 +28,8 @@ def own_course() -> Path:
     """Return the learner's course folder, after creating it in the current directory if necessary.
 
     Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
-    version would overwrite them. So the notebooks are copied, with all files that they refer to. Existing files in the
-    learner's folder stay unchanged; only missing files are added, such as a later version's new notebook.
+    version would overwrite them. Therefore, the notebooks are copied, with all files that they refer to. Existing files
+    in the learner's folder stay unchanged; only missing files are added, such as a later version's new notebook.
 
     Raises:
         TutorialError: the folder cannot be written to, or belongs to another user.
@@ -119,9 +119,9 @@ def _add_missing(course: Path) -> int:
 
 
 def _course_files(course: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield each file of a learner's course folder, with the file to copy it from.
+    """Yield each file of a learner's course folder, with the original file to copy.
 
-    They include the library's controllers, because the notebooks refer to them.
+    The files include the library's controllers, because the notebooks refer to them.
     """
     for source in SHIPPED.rglob("*"):
         if source.is_file() and source.suffix != ".pyc":  # pip also compiles the launch files

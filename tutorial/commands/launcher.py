@@ -1,4 +1,4 @@
-"""Runs ROS 2 launch files without ROS 2, and prints the output of each process."""
+"""Runs ROS 2 launch files without ROS 2 and prints the output of each process."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ LOOK_EVERY = 0.1  # [s] between checks of the running processes
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    The file is run with the `launch` of the pocket ROS 2, even beside a real ROS 2: ``tank launch`` should behave the
-    same whatever is installed.
+    The file is run with the `launch` of the pocket ROS 2, even if a real ROS 2 is installed: ``tank launch`` should
+    behave the same on every machine.
 
     Raises:
         TutorialError: the file fails, uses more of `launch` than the tutorial supports, or describes a process that
@@ -69,8 +69,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 class Launcher:
     """Starts processes, prints their output prefixed with their names, and stops them together.
 
-    When one fails, the launcher interrupts the other processes and, after a timeout or a second Ctrl-C, kills them. No
-    process outlives the launcher, even if the launcher is killed: see `tutorial.system.parent_watch`.
+    When a process fails, the launcher interrupts the other processes and, after a timeout or a second Ctrl-C, kills
+    them. No process outlives the launcher, even if the launcher is killed: see `tutorial.system.parent_watch`.
 
     Args:
         processes: the processes to start.
@@ -143,7 +143,7 @@ class Launcher:
             self._stop.set()
 
     def _stop_all(self) -> None:
-        """Interrupt every remaining process group, and kill the ones that don't stop in time."""
+        """Interrupt every remaining process group, and kill those that don't stop in time."""
         self._stop.set()
         self._signal_groups(signal.SIGINT)
         for _ in range(round(TIMEOUT / LOOK_EVERY)):

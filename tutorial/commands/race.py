@@ -1,4 +1,4 @@
-"""The command ``tank race``: a learner's node drives the tank along a line, and gets a score."""
+"""The command ``tank race``: a learner's node drives the tank along a line and gets a score."""
 
 # ruff: noqa: PLC0415 - help must be fast
 
@@ -103,7 +103,7 @@ async def _race_all(
     sandbox: bool,
     limit: float,
 ) -> None:
-    """Run one race after another, because two at a time would slow each other down."""
+    """Run one race after another, because two simultaneous races would slow each other down."""
     from tutorial.commands.racing import Options, race
 
     for number, path in enumerate(drivers, start=1):

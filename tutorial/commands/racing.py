@@ -123,11 +123,11 @@ class Driver:
 
     @property
     def ended(self) -> bool:
-        """Whether its program has ended."""
+        """Whether the driver's program has ended."""
         return self._process.poll() is not None
 
     def how_it_ended(self) -> str:
-        """Describe how its program ended. After an error, quote the last line of the traceback."""
+        """Describe how the driver's program ended. After an error, quote the last line of the traceback."""
         self._reader.join(STOP_WITHIN)
         if not self._process.returncode:
             return "the driver's program has ended"
@@ -172,7 +172,7 @@ class Driver:
 
 
 async def race(path: Path, project: Project, layout: str, options: Options) -> Entry:
-    """Run one race in a ROS domain of its own, then stop everything that belongs to it.
+    """Run one race in a separate ROS domain, then stop everything that the race has started.
 
     Args:
         path: the driver's file.
@@ -219,7 +219,7 @@ def _own_domain() -> Iterator[None]:
 
 
 async def _meet(host: Host, driver: Driver) -> str:
-    """Wait until a driver has a publisher on ``/joy``. Return a problem, or ""."""
+    """Wait until a driver has a publisher on ``/joy``. Return the problem, or "" if it has a publisher."""
     deadline = time.monotonic() + MEET_FOR
     topic = host.node.resolve_topic_name("joy")
     while not host.node.count_publishers(topic):
@@ -232,7 +232,7 @@ async def _meet(host: Host, driver: Driver) -> str:
 
 
 async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float]:
-    """Run a race to its end. Return what ended it early, or "", and simulated time divided by real time."""
+    """Run a race to its end. Return the reason for an early end, or "", and simulated time divided by real time."""
     simulation = host.simulation
     assert simulation is not None
     simulation.advance(simulation.time_step)  # in lockstep: it waits for the first picture, which also starts OpenGL

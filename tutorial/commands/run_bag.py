@@ -18,8 +18,8 @@ MEET_FOR = 5.0  # [s] the longest wait for the publishers before the program run
 async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
     """Record what a program publishes and receives, for the duration of the context.
 
-    The recorder uses a separate node, so it does not affect the program's counts. The context starts when the recorder
-    is matched with all of the program's publishers, so that the bag contains the whole run.
+    The recorder uses a separate node, so it does not affect the program's message counts. The context starts when the
+    recorder is matched with all of the program's publishers, so that the bag contains the whole run.
 
     Args:
         host: the program.

@@ -184,7 +184,7 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
 def check_up(ros_args: list[str], topic_name: str | None, domains: tuple[int, ...]) -> int:
     """Check whether this machine has what the tutorial needs, and suggest fixes.
 
-    With TOPIC, find out why none of its messages arrive here. This takes about five seconds, and publishes nothing.
+    With TOPIC, find out why none of its messages arrive here. This takes about five seconds and publishes nothing.
     """
     if topic_name is not None:
         from tutorial.commands.topic_doctor import doctor_of

@@ -41,8 +41,8 @@ def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = la
 
     SIGHUP, which a closing terminal sends, does the same unless ``nohup`` makes this process ignore it.
 
-    A separate thread waits for the signals, because the main thread can be stuck in a loop or a blocking call. It waits
-    until the process ends, because the cleanup can also get stuck.
+    A separate thread waits for the signals, because the main thread can be stuck in a loop or a blocking call. The
+    thread waits until the process ends, because the cleanup can also get stuck.
 
     Args:
         ask: called on that thread on the first signal. Its exceptions are ignored, because the program may already have

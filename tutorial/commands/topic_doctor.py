@@ -20,10 +20,10 @@ def doctor_of(topic: str, ros_args: Sequence[str], domains: Sequence[int] = ()) 
     Args:
         topic: the topic's name.
         ros_args: ROS 2's arguments.
-        domains: the other domains to search for it; by default, 0 to 10.
+        domains: the other domains to search for the topic; by default, 0 to 10.
 
     Returns:
-        The exit status: 1 if there is a cause, 0 if all is well, or 2 after Ctrl-C.
+        The exit status: 1 if a cause was found, 0 if all is well, or 2 after Ctrl-C.
 
     Raises:
         TutorialError: the topic's name is invalid, or making a node failed for a reason that no rule covers.

@@ -38,7 +38,7 @@ class BagRecorder(SimpleController):
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1000, raw=True)
 
     def on_joint_state(self, payload: bytes) -> None:  # executor's thread: put it into the queue and return
-        """Put the message and the time of receipt into the writing thread's queue."""
+        """Put the message and its time of receipt into the writing thread's queue."""
         if self.writer.is_alive():  # it ends when the disk is full
             self.received.put((self.node.get_clock().now().nanoseconds, payload))
 

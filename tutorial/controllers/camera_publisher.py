@@ -13,7 +13,7 @@ RATE = 10  # [Hz], in simulation time
 
 
 class CameraPublisher(SimpleController):
-    """Publish pictures at 10 Hz. The control loop only requests them; another thread renders and publishes them."""
+    """Publish pictures at 10 Hz. The control loop only requests pictures; another thread renders and publishes them."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher. Its topic is named after the body."""

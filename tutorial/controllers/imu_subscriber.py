@@ -29,7 +29,7 @@ class ImuSubscriber(SimpleController):
         self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10)
 
     def on_imu(self, message: Imu) -> None:  # executor's thread: post and return
-        """Hand every message to the main thread: a blow is an event, and must not be lost."""
+        """Hand every message to the main thread: a blow is an event and must not be lost."""
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:  # main thread
@@ -48,7 +48,7 @@ class ImuSubscriber(SimpleController):
 
 
 class Shaker:
-    """Shakes a displayed body for a while, and puts it back exactly where it was. Main thread only."""
+    """Shakes a displayed body for a while and puts it back exactly where it was. Main thread only."""
 
     def __init__(self, body: Body) -> None:
         self.body = body

@@ -45,7 +45,7 @@ class PoseSubscriber(SimpleController):
             self.call_later(self.take, "pose", transform)
 
     def take(self, stream: str, message: JointState | TransformStamped) -> None:  # main thread
-        """Show the message together with its partner, or keep it until its partner arrives."""
+        """Show the message together with its partner, or store it until its partner arrives."""
         if fault := fault_of(message):
             self.tally.leave_out(fault)
         elif pair := self.pairs.add(stream, message):
@@ -90,7 +90,7 @@ class StampPairs:
         self.newest: tuple[int, int] | None = None  # the stamp of the last pair
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Add the next message of a stream. Return the joints and the pose of its stamp; None if one is missing."""
+        """Add the next message of a stream. Return the joints and pose with its stamp; None if either is missing."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         if stamp == self.newest:
             self.leave_out(REPEATED)

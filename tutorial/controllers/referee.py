@@ -1,4 +1,4 @@
-"""The referee of a race: it sees the true state of the world, and publishes the score."""
+"""The referee of a race: it sees the true state of the world and publishes the score."""
 
 import json
 import math
@@ -54,7 +54,7 @@ class Referee(SimpleController):
         self.begun = True
 
     def control(self) -> None:  # simulation thread, every step
-        """Check the tank, and publish the score, whenever that is due."""
+        """Check the tank when a check is due, and publish the score when a message is due."""
         if self.race.over or self.io.step % self.steps_per_check:
             return
         touched, on_rail = self.contacts()
@@ -104,5 +104,8 @@ class Referee(SimpleController):
 
 
 def _geom_names(model: mujoco.MjModel) -> list[str]:
-    """Return a name for each geom, with its body's name as a prefix: its own, or else that of its MuJoCo body."""
+    """Return a name for each geom, with its body's name as a prefix.
+
+    A geom without its own name gets the name of its MuJoCo body.
+    """
     return [model.geom(i).name or model.body(model.geom_bodyid[i]).name for i in range(model.ngeom)]

@@ -60,7 +60,7 @@ class AimedJoint:
         self.q_ref = self.q_prev = joint.position
 
     def aim(self, stick: float) -> None:
-        """Move the reference with the stick, within the joint's range, and set the torque that follows it."""
+        """Move the reference with the stick, within the joint's range, and set the torque to follow it."""
         lower, upper = self.joint.range
         q_ref = min(max(self.q_ref + STEP_AT_FULL_STICK * stick, lower), upper)
         dq_ref = (q_ref - self.q_ref) / self.time_step

@@ -18,7 +18,7 @@ INERTIA = 0.34  # [kg.m^2] of the turret with its barrel, about the turret's axi
 
 
 class TankServer(TankController):
-    """Drive as in step 1, offer two services, and take the gains from parameters."""
+    """Drive as in step 1, offer two services, and read the gains from parameters."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Declare the gains as parameters, and create the services. All names begin with the body's name."""
@@ -35,15 +35,15 @@ class TankServer(TankController):
         self.motors_service = self.node.create_service(SetBool, f"{name}/set_motors", self.on_set_motors)
 
     def on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:  # executor's thread
-        """Have the tank moved back, and respond when that is done."""
+        """Have the tank moved back to its start, and respond when it is there."""
         return self.answer(response, self.reset)
 
     def on_set_motors(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        """Have the motors switched on or off, and respond when that is done."""
+        """Have the motors switched on or off, and respond afterwards."""
         return self.answer(response, self.set_motors, request.data)
 
     def answer(self, response: Any, function: Callable[..., str], *args: object) -> Any:  # executor's thread
-        """Have the simulation thread call a function, and report in the response what it did, or why it did not."""
+        """Have the simulation thread call a function, and report its result or the refusal in the response."""
         try:
             response.message = self.ask(function, *args)
             response.success = True
@@ -52,7 +52,7 @@ class TankServer(TankController):
         return response
 
     def check_gains(self, parameters: Sequence[Parameter]) -> SetParametersResult:  # executor's thread
-        """Reject gains that would let turret and barrel oscillate. ROS 2 itself checks the range of each gain."""
+        """Reject gains that would make the turret or barrel oscillate. ROS 2 itself checks the range of each gain."""
         p_gain, d_gain = self.tuned(parameters).values()
         least = sqrt(2.0 * INERTIA * p_gain)  # the damping ratio is then 0.7
         if d_gain < least:
@@ -83,7 +83,7 @@ class TankServer(TankController):
             self.track_l.ctrl = self.track_r.ctrl = self.turret.joint.effort = self.barrel.joint.effort = 0.0
 
     def reset(self) -> str:  # simulation thread, between two steps
-        """Move the tank back to its start, and hold its joints where they are then."""
+        """Move the tank back to its start, and hold its joints at their positions there."""
         self.io.body.reset()
         self.initialize(self.io)
         return f"{self.io.body.name} is back at its start"
@@ -126,6 +126,6 @@ class TunedJoint(AimedJoint):
 
 
 def gain(description: str, largest: float) -> ParameterDescriptor:
-    """Describe a gain that is between 0 and a maximum."""
+    """Return the descriptor of a gain whose range is from 0 to a maximum."""
     limits = FloatingPointRange(from_value=0.0, to_value=largest)
     return ParameterDescriptor(description=description, floating_point_range=[limits])

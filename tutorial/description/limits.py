@@ -26,7 +26,7 @@ def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
 
 
 def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:
-    """Add the joint's damping [N.m.s/rad or N.s/m] and friction [N.m or N] as ``<dynamics>``, if it has any."""
+    """Add the joint's damping [N.m.s/rad or N.s/m] and friction [N.m or N] as ``<dynamics>``, if they are not zero."""
     dof = model.jnt_dofadr[joint]
     damping, friction = model.dof_damping[dof], model.dof_frictionloss[dof]
     if damping or friction:

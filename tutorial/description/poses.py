@@ -18,7 +18,7 @@ GIMBAL_LOCK = 1e-9
 
 
 def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
-    """Make a pose from a position (3,) [m] and a unit quaternion (4,) in MuJoCo's order, w first."""
+    """Make a pose from a position (3,) [m] and a unit quaternion (4,) in MuJoCo's order, with w first."""
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, np.asarray(orientation_wxyz, dtype=float))
     matrix = np.eye(4)
@@ -53,7 +53,7 @@ def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
 
 
 def add_origin(parent: Element, matrix: Matrix) -> None:
-    """Write a pose as an ``<origin>``. An element without one is at its parent's origin."""
+    """Write a pose as an ``<origin>``. An element without an ``<origin>`` is at its parent's origin."""
     if np.abs(matrix - np.eye(4)).max() > NOTHING:
         angles = roll_pitch_yaw(matrix[:3, :3])
         SubElement(parent, "origin", xyz=numbers(matrix[:3, 3]), rpy=numbers(angles))

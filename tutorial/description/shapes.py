@@ -22,7 +22,7 @@ def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
     """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, as a ``<collision>`` if it can collide.
 
     Returns:
-        Shapes that URDF cannot express, such as ``"ellipsoid shapes"``; empty if the geom is complete.
+        Shapes that URDF cannot express, such as ``"ellipsoid shapes"``; empty if URDF can express the whole geom.
     """
     seen = is_seen(model, geom)
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
@@ -76,8 +76,8 @@ def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shap
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
     """Return the mesh's file, if it has one in a format that other programs read.
 
-    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame, so this function undoes that. An
-    additional offset (``refpos``, ``refquat``) is missing here, because a compiled model does not keep it.
+    MuJoCo moves a mesh so that its centre and principal axes become the geom's frame; this function reverses that move.
+    An additional offset (``refpos``, ``refquat``) is missing here, because a compiled model does not store it.
     """
     mesh = model.geom_dataid[geom]
     start = model.mesh_pathadr[mesh]

@@ -1,8 +1,8 @@
 """A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and other programs read.
 
-The links are the model's bodies, in the same places. The movable joints are the joints in joint states. Names are the
-same as in the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link is
-renamed if a joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
+The links are the model's bodies, in the same places. The movable joints are those that appear in joint states. Names
+are the same as in the model, without the body's prefix, which robot_state_publisher can add (``frame_prefix``). A link
+is renamed if a joint has the same name. Each sensor and camera has its own link, which is the frame of its messages.
 """
 
 import logging
@@ -35,10 +35,10 @@ _log = logging.getLogger(__name__)
 def robot_description(body: Body) -> str:
     """Return the URDF of a body.
 
-    Elements that URDF lacks, such as tendons and ellipsoids, are left out. Joints that are missing from joint states
-    are fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with
-    a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts
-    these differences. If the description moves differently from the robot, a warning is also logged.
+    Elements that URDF lacks, such as tendons and ellipsoids, are omitted. Joints that are missing from joint states are
+    fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with a
+    linear coupling to another joint mimics it, and other equalities are omitted. A comment at the top counts these
+    differences. If the description moves differently from the robot, a warning is also logged.
 
     Args:
         body: a displayed body, whose model contains nothing else.
@@ -121,8 +121,8 @@ class _Writer:
     def _place(self, number: int) -> Matrix | None:
         """Return a body's pose in its parent's frame at rest.
 
-        Return None if it moves freely, because joint states don't describe that. Poses are relative to the root, not to
-        the world.
+        Return None if it moves freely, because joint states don't describe free motion. Poses are relative to the root,
+        not to the world.
         """
         model = self.model
         place = pose(model.body_pos[number], model.body_quat[number])
@@ -136,7 +136,7 @@ class _Writer:
         """Add a link, and the joints that lead to it.
 
         URDF allows one joint between two links, with its axis through the child's frame. This function therefore adds
-        massless links between joints, and one on the axis if the axis does not pass through the body's frame.
+        massless links between joints, and a link on the axis if the axis does not pass through the body's frame.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)
@@ -243,7 +243,7 @@ class _Writer:
                 self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
-        """List omissions in a comment at the top, and log the ones that make the description move differently.
+        """List omissions in a comment at the top, and log those that make the description move differently.
 
         The comment contains no colon, because ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses it as
         YAML.
@@ -260,7 +260,7 @@ class _Writer:
         return name.removeprefix(f"{self.body.name}/")
 
     def _unused(self, kind: str, name: str) -> str:
-        """Return this name, or one derived from it if another link or joint already has it."""
+        """Return this name, or a name derived from it if another link or joint already has this name."""
         while name in self.names[kind]:
             name += "_"
         self.names[kind].add(name)

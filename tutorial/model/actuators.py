@@ -92,7 +92,7 @@ def _title(model: mujoco.MjModel, joint: int) -> str:
 
 
 def _enabled(model: mujoco.MjModel, joint: int) -> list[int]:
-    """Return the actuators that can move a joint: the ones with a gear, in groups that the model does not disable."""
+    """Return the actuators that can move a joint: those with a gear, in groups that the model does not disable."""
     disabled = int(model.opt.disableactuator)
     groups = model.actuator_group.tolist()
     geared = [each for each in actuators_of(model, joint) if model.actuator_gear[each, 0]]

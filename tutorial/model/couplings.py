@@ -57,7 +57,7 @@ class Coupling(NamedTuple):
 class Followers:
     """Moves the joints of a displayed body that are coupled to other joints.
 
-    A joint follows its leader until its own position is set by name: a publisher that names it knows its position.
+    A joint follows its leader until its own position is set: a publisher that names the joint knows its position.
 
     Args:
         model: the model.

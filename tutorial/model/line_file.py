@@ -1,4 +1,4 @@
-"""Reads a YAML file of points as a model: a line on the laboratory's floor, which is visible but touches nothing."""
+"""Reads a YAML file of points as a model: a visible line on the laboratory's floor, without collisions."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -31,14 +31,14 @@ class _LineFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_line(path: Path) -> mujoco.MjSpec | None:
-    """Read a line. It is a smooth curve through the file's points, and can cross itself.
+    """Read a line. It is a smooth curve through the file's points and can cross itself.
 
     Returns:
         The model: a yellow box for each piece of the curve, and a hidden site for each end of a piece; None if the
         file's name does not end in ``.yaml``.
 
     Raises:
-        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error names
+        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error gives
             the line of the file, and the fix.
     """
     if path.suffix != SUFFIX:
@@ -79,7 +79,7 @@ def line_points(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float6
 
 
 def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
-    """Return points on the curve, shape (n, 2). The slope at each of the file's points follows from its neighbours."""
+    """Return points on the curve, shape (n, 2). Neighbouring points determine the slope at each point of the file."""
     corners = np.array(file.data.points)
     chords = np.hypot(*np.diff(corners, axis=0).T)
     for repeated in np.flatnonzero(chords < 1e-6):
@@ -102,7 +102,7 @@ def _piece(ends: NDArray[np.float64], slopes: NDArray[np.float64], chord: float)
 
     Args:
         ends: its start and end [m], shape (2, 2).
-        slopes: its derivatives at both with respect to the length along the chord, shape (2, 2).
+        slopes: its derivatives at both ends with respect to the length along the chord, shape (2, 2).
         chord: the distance between start and end [m].
     """
     start, end = ends

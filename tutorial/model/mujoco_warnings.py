@@ -1,4 +1,4 @@
-"""Sends MuJoCo's warnings to the log. By default, MuJoCo prints them, and writes a file into the user's folder."""
+"""Sends MuJoCo's warnings to the log. By default, MuJoCo prints them and writes them to a file in the user's folder."""
 
 import logging
 import time
@@ -29,7 +29,7 @@ class _MujocoWarns:
         self._due = 0.0
 
     def __call__(self, text: str) -> None:
-        """Log a warning. The next line counts the warnings that were suppressed since the last line."""
+        """Log a warning. The next line reports how many warnings were suppressed since the last line."""
         with suppress(BaseException):  # an exception that reaches MuJoCo, which is C++, would end the process
             now = time.monotonic()
             if now < self._due:

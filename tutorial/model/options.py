@@ -38,9 +38,9 @@ Models = Mapping[Path, mujoco.MjSpec]
 def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]], time_step: float | None) -> str:
     """Set a world's options from its models, and copy them to each model, so that it can be attached.
 
-    An option is used if the models that set it agree. If they do not, or if no model sets it, the world uses its own:
-    the original tutorial's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag, such
-    as ``contact``, or a disabled group of actuators is used only if all models set it.
+    An option is used if the models that set it agree. If they do not, or if no model sets it, the world uses its own
+    value: the original tutorial's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag,
+    such as ``contact``, or a disabled group of actuators is used only if all models set it.
 
     Args:
         world: the world, whose options this function sets.

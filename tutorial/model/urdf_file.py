@@ -102,7 +102,8 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
     Args:
         given: the mesh's ``filename`` in the robot description.
         path: path of the robot description.
-        meshdir: the mesh folder that the description names, relative to its own folder; None if it names none.
+        meshdir: the mesh folder that the description names, relative to the description's folder; None if it names no
+            mesh folder.
     """
     folder = path.absolute().parent
     scheme, _, rest = given.rpartition("://")

@@ -27,7 +27,7 @@ WORDS = {
 
 
 class _Loader(yaml.SafeLoader):
-    """Refuses duplicate keys, and reports the line of a value that does not match its tag. PyYAML does neither."""
+    """Refuses duplicate keys and reports the line of a value that does not match its tag. PyYAML does neither."""
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
         node = super().compose_mapping_node(anchor)
@@ -57,7 +57,7 @@ class YamlFile(Generic[T]):
     Args:
         path: the file.
         shape: a `msgspec.Struct`, with ``forbid_unknown_fields=True`` so that a misspelled key is an error.
-        what: the kind of file, as errors should name it, for instance ``"project"``.
+        what: the kind of file, as it should appear in error messages, for instance ``"project"``.
 
     Attributes:
         path: as given.
@@ -101,7 +101,7 @@ class YamlFile(Generic[T]):
         return int(named.start_mark.line) + 1
 
     def _parse(self, text: str) -> tuple[yaml.Node, Any]:
-        """Parse the file twice: into nodes, which know their lines, and into their values."""
+        """Parse the file twice: into nodes, which have line numbers, and into their values."""
         try:
             root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # an empty file has no fields
             return root, _Loader("").construct_document(root)

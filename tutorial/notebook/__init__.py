@@ -1,6 +1,6 @@
 """The API of the notebooks: programs, nodes, widgets and topic tools, each registered by name.
 
-Opening something closes its predecessor with the same name, so any cell can be run twice. `close_all` closes
+Opening an object closes an earlier object with the same name, so that any cell can be run twice. `close_all` closes
 everything. Call these functions on the kernel's main thread.
 """
 
@@ -124,7 +124,7 @@ async def end_deadlock(node: WatchedNode) -> None:
     """Wait until a callback of a node waits for itself; print how, and end the wait with a `DeadlockError`. Idempotent.
 
     Raises:
-        TutorialError: no callback did so for 30 s.
+        TutorialError: no callback waited for itself within 30 s.
     """
     await until(lambda: node.deadlocks() or node.ended, "a deadlock")
     node.end_deadlocks()

@@ -12,7 +12,7 @@ from tutorial.ros.node_thread import NodeThread
 async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float = 0.0) -> None:
     """Publish a bag's messages with their original timing. Interrupt the kernel to stop early.
 
-    The kernel stays responsive during playback. The publishing node has the name that ``ros2 bag play`` uses, and is
+    The kernel stays responsive during playback. The publishing node has the name that ``ros2 bag play`` uses and is
     destroyed at the end.
 
     Args:

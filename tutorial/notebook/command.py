@@ -71,7 +71,7 @@ class Command:
                 self._reader.join(TIMEOUT)
 
     def _read(self) -> None:
-        """Keep the command's output until the command ends."""
+        """Store the command's output until the command ends."""
         with self._process:  # leaving the block closes the streams, and waits for the process
             self._kept.extend(self._process.stdout or ())
 

@@ -97,7 +97,7 @@ def _in_vain(began: float, timeout: float, what: str) -> str:
 
 
 def log() -> None:
-    """Print the library's log lines since the last call. They come from any thread, so no cell shows them."""
+    """Print the library's log lines since the last call. The lines come from any thread, so no cell shows them."""
     for _ in range(len(logged.lines)):
         print(logged.lines.popleft()[1])  # noqa: T201 - this function prints
 

@@ -23,7 +23,7 @@ async def start_fault(number: int, source: str | None = None) -> Command:
     A program in a different domain never becomes visible, so the wait is short.
 
     Args:
-        number: which one, from 1. Its source is ``faults/tankN.py`` in the notebooks' folder.
+        number: the program's number, from 1. Its source is ``faults/tankN.py`` in the notebooks' folder.
         source: source code to run instead, such as a repaired version.
 
     Raises:

@@ -25,14 +25,14 @@ def prepare_process() -> None:
     """Set up the process for a notebook. Importing `tutorial.notebook` calls this once.
 
     - Reserve a ROS domain for this process and its children, unless ``ROS_DOMAIN_ID`` is set: two notebooks must not
-      share one.
+      share a domain.
     - Restrict discovery to this machine, unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is set. The default of a real ROS 2
       is the whole network, where two learners in a classroom would sooner or later choose the same domain.
     - Keep the library's log lines for `tutorial.notebook.log`, and send them nowhere else.
-    - Close everything that is open when the process ends.
+    - When the process ends, close everything that is open.
     - Have IPython point out a missing ``await`` where a cell would display a coroutine.
-    - Have the kernel handle a page's messages on the thread that the page asks for, and on the main thread only
-      between cells.
+    - Have the kernel handle a page's messages on the thread that the page requests, and on the main thread only between
+      cells.
     """
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))
@@ -60,9 +60,9 @@ def _handle_comms_between_cells(lock: Any) -> None:
     ipykernel 7.4 handles them while an async cell runs, so that the cell can await a widget's reply
     (https://github.com/ipython/ipykernel/issues/646). If the cell ends in the meantime, the next cell's output and its
     "idle" status name the ended cell as their parent, and the page waits for them forever. ipykernel 7.4 also routes a
-    page's messages to the thread that wrote to the page last, usually the main thread, even if the page asks for a
-    different one. ipykernel has no setting for either, so this function replaces private attributes. A test checks that
-    they still exist.
+    page's messages to the thread that wrote to the page last, usually the main thread, even if the page requests a
+    different thread. ipykernel has no setting for either behaviour, so this function replaces private attributes. A
+    test checks that they still exist.
 
     Args:
         lock: the kernel's lock, held while a cell runs. While it reports that it is locked, the kernel handles comm

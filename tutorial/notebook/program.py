@@ -33,7 +33,7 @@ LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, such as while the use
 
 
 class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an error
-    """Raised when a run is interrupted. The program stays open, and can be run again."""
+    """Raised when a run is interrupted. The program stays open and can be run again."""
 
 
 class Program:
@@ -112,7 +112,7 @@ class Program:
     def start(self) -> None:
         """Run the simulation in real time until `stop` is called. Idempotent.
 
-        After a few minutes without the notebook's page, the simulation is paused, and the view says so.
+        After a few minutes without the notebook's page, the simulation is paused, and the view shows this.
 
         Raises:
             TutorialError: the program only displays, or was closed.

@@ -74,8 +74,8 @@ async def why(topic: str, joints: Iterable[str] | None = None) -> None:
 
     Args:
         topic: the name of the topic.
-        joints: for joint states, the names of the joints that the viewer has; by default, those of the tank for its
-            own topic, and for others those of the first message.
+        joints: for joint states, the names of the joints that the viewer has; by default, the tank's joints for the
+            tank's topic, and the joints of the first message for any other topic.
 
     Raises:
         TutorialError: the topic's name is invalid.

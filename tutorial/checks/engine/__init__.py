@@ -1,16 +1,16 @@
-"""The engine of the exercises: it tries an answer, finds out why it is wrong, and explains it.
+"""The engine of the exercises: it tries an answer, finds out why the answer is wrong, and explains the causes.
 
 An exercise's module imports each name from the module here that defines it.
 
 - `answer`, `failure`: the learner's code, and its failures. `exceptions`: their most likely causes.
-- `trial`, `instruments`: one attempt at an answer, and how the answer uses time and threads in it.
+- `trial`, `instruments`: one run of an answer, and how the answer uses time and threads in this run.
 - `cases`: the data of an exercise: its cases and the known mistakes.
-- `twins`, `slips`: the solution with mistakes in it: known ones, and small slips.
+- `twins`, `slips`: the solution with known mistakes, or with small slips.
 - `observe`, `diagnose`, `report`: the three steps of a check. `shared_state`: state that the learner's objects share
   by accident. `verdict`: the text that the learner reads.
 - `contain`, `child`: the process that runs an answer, from outside and from inside.
 - `memory_node`, `bodies`, `rig`: an environment for the controller of a simulated body. `publishing`: cases for all
   controllers that publish at a fixed rate.
 - `viewer`, `clock`: an environment for the controller of a displayed body. `viewing`: cases for all such controllers.
-- `interleave`, `real_dds`: two threads in every order, and rclpy's own node.
+- `interleave`, `real_dds`: two threads, interrupted at every instruction; and rclpy's own node.
 """

@@ -29,7 +29,7 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
         answer: the learner's object.
         name: the answer's name in the exercise.
         base: the class that the answer has to inherit from, `object` for any class; None for a function.
-        call: the call of the check, for instance ``"await drive.check"``.
+        call: the call to the check, for instance ``"await drive.check"``.
     """
     instead = f"Pass the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, type) != (base is not None) or not callable(answer):

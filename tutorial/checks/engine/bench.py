@@ -36,7 +36,7 @@ NOT_THERE = {
 
 
 class _Thread(SpinThread[WatchedNode]):
-    """A node's thread that keeps a callback's exception for the learner, and does not log it."""
+    """A node's thread that stores a callback's exception, so that the learner sees it, instead of logging it."""
 
     timeout = 0.5
 
@@ -58,7 +58,7 @@ class _Thread(SpinThread[WatchedNode]):
 
 
 class Bench:
-    """Run a learner's controller on its own node, and make requests from a second one.
+    """Run a learner's controller on its own node, and make requests from a second node.
 
     Args:
         trial: the trial that the bench belongs to.
@@ -74,7 +74,7 @@ class Bench:
         asked: the names of the second program's services, in the order of the learner's requests.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. All methods of a bench raise this, too.
+        Failure: one of the learner's methods raised an exception. Every method of a bench can also raise this error.
     """
 
     def __init__(self, trial: Trial, name: str = "Tank") -> None:
@@ -97,7 +97,10 @@ class Bench:
             getattr(self.learner, method)(*arguments)
 
     def serve(self, **replies: str) -> None:
-        """Offer a service for each keyword, which succeeds unless its reply begins with "no", and wait for clients."""
+        """Offer a service for each keyword, and wait for clients.
+
+        A service succeeds unless its reply begins with "no".
+        """
         for name, reply in replies.items():
 
             def answer(_request: Any, response: Any, name: str = name, reply: str = reply) -> Any:
@@ -138,11 +141,11 @@ class Bench:
         self._other.close()
 
     def _know_each_other(self, client: Any) -> bool:
-        """Return whether a client has discovered its service, and the service its client: both can be too early."""
+        """Return whether a client has discovered its service, and the service its client: one alone is not enough."""
         return bool(client.service_is_ready() and self._other.node.count_clients(client.srv_name))
 
     def _failure(self, service: str) -> Failure:
-        """Find out why there is no response."""
+        """Determine why no response has arrived."""
         if self._own.error is not None:
             return _from_callback(self.trial, self._own.error)
         for wait, text in self.node.deadlocks().items():
@@ -159,7 +162,7 @@ class Bench:
         return names | {f"the parameter {name}" for name in self.node.get_parameters_by_prefix("")}
 
     def _wait(self, condition: Callable[[], object]) -> bool:
-        """Wait until a condition holds. Return False after `LOOKS` checks: on a busy machine, they take longer."""
+        """Wait until a condition holds. Return False after `LOOKS` checks, which take longer on a busy machine."""
         for _ in range(LOOKS):
             if condition():
                 return True
@@ -168,7 +171,7 @@ class Bench:
 
 
 def _from_callback(trial: Trial, error: BaseException) -> Failure:
-    """Return the failure for an exception of a callback that the executor has called."""
+    """Return the failure for an exception raised by a callback that the executor has called."""
     trace = error.__traceback__
     while trace is not None and trace.tb_frame.f_code.co_filename not in trial.watched:
         trace = trace.tb_next  # the executor's frames

@@ -15,7 +15,7 @@ def bodies(trial: Trial, model: str, name: str) -> tuple[Body, Body]:
     """Return a displayed and a simulated body. Later trials get the same bodies, with the simulated body reset.
 
     Args:
-        trial: keeps the bodies for later trials.
+        trial: the trial, which stores the bodies for later trials.
         model: the body's model file without ``.xml``, or the model itself, as MJCF.
         name: the body's name.
     """

@@ -55,7 +55,7 @@ def replace(old: str, *new: str) -> Ways:
     The new text can use any name from the exercise's module, `asyncio`, `functools`, `math` and `itertools`.
 
     Args:
-        old: the part. All its occurrences are replaced.
+        old: the part to replace. All its occurrences are replaced.
         new: the replacements. Their second and later lines are indented like the line that contains `old`.
     """
     return tuple((Edit(old, each),) for each in new)
@@ -99,7 +99,7 @@ class Mistake:
             these, joined by ``+``.
 
     Raises:
-        ValueError: there is no edit.
+        ValueError: no edits are given.
     """
 
     cause: str
@@ -142,11 +142,12 @@ class Cases:
         solution: the right answer. Its observations are the expected ones.
         cases: the cases, in the order they run.
         mistakes: the known mistakes, the root causes first.
-        meaning: the most likely cause of a wrong observation in a case that defines none, as a sentence.
+        meaning: the most likely cause of a wrong observation in a case that defines no meaning, as a sentence.
         describe: describes an observation.
         beside: functions of the solution's module that mistakes can also change.
-        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if it may read it.
-        on_ros: tries a right answer with rclpy's own node, and describes the result.
+        clock: the cause of a wrong observation if the answer reads the computer's clock; "" if answers may read the
+            clock.
+        on_ros: tries a right answer with rclpy's own node and describes the result.
         one_by_one: whether the first wrong observation stops the check.
     """
 

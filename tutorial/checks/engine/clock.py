@@ -19,7 +19,7 @@ AT_ONCE = "You probably call it right away, with parentheses. Pass the function 
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):
-    """An event loop whose time passes only in `advance`, without waiting. The learner's clocks agree with it.
+    """An event loop whose time passes only in `advance`, without waiting. The learner's clocks show the same time.
 
     Args:
         trial: the trial whose clocks the loop advances.
@@ -60,7 +60,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return super().call_soon_threadsafe(self.wrap(callback), *args, context=context)
 
     def create_task(self, coro: Coroutine[Any, Any, Any], **options: Any) -> asyncio.Task[Any]:  # type: ignore[override]
-        """Make a task whose exception is reported immediately, even if the learner keeps the task."""
+        """Make a task whose exception is reported immediately, even if the learner keeps a reference to the task."""
         task = super().create_task(coro, **options)
         task.add_done_callback(lambda done: done.cancelled() or done.result())
         return task
@@ -94,7 +94,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         self._trial.ahead += passed
 
     def _check(self) -> None:
-        """Reject calls from other threads, as asyncio does in debug mode: otherwise they might never run."""
+        """Reject calls from other threads, as asyncio does in debug mode, because they might never run."""
         if threading.get_ident() != self._thread and not self._trial.is_interleaved:
             raise RuntimeError(OTHER_THREAD)
 

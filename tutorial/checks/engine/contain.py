@@ -1,4 +1,4 @@
-"""Containment: an answer runs in a separate process, so nothing that it does outlives that process."""
+"""Containment: an answer runs in a separate process, so that nothing it starts outlives that process."""
 
 import asyncio
 import contextlib
@@ -90,13 +90,13 @@ async def _start(environment: Mapping[str, str]) -> Process:
 
 
 async def _keep(printed: Any, output: bytearray) -> None:
-    """Read all output, and keep its beginning."""
+    """Read all output, but store only its beginning."""
     while piece := await printed.read(OUTPUT_KEPT):
         output += piece[: OUTPUT_KEPT - len(output)]
 
 
 def _findings(told: Sequence[bytes], files: Collection[str], status: int | None) -> tuple[Finding, ...]:
-    """Return the findings. If the process crashed or was killed, the last one reports it.
+    """Return the findings. If the process crashed or was killed, the last finding reports this.
 
     Args:
         told: the lines that the process reported.

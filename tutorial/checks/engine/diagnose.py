@@ -33,8 +33,8 @@ class Diagnosis:
     """Why an answer is wrong.
 
     Attributes:
-        causes: by case label, the mistake or other cause that the case shows. An odd case without an entry is a
-            consequence of these causes.
+        causes: the mistake or other cause that each case reveals, by the case's label. An odd case without an entry is
+            a consequence of these causes.
     """
 
     causes: Mapping[str, Fault | Why]
@@ -76,7 +76,7 @@ def _own_cause(odd: Observation, twins: Twins) -> Why:
 
 
 def _explanation(seen: Observations, twins: Twins) -> _Explanation:
-    """Explain all observations, or all except the ones that share a meaning or raised an exception."""
+    """Explain all observations, or all except those that share a meaning or raised an exception."""
     failed = [each for each in seen.all if each.failed]
     misused = [each for each in failed if each.is_misuse]
     alike = _with_the_same_meaning(seen, twins)
@@ -113,7 +113,7 @@ def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> 
 
 
 def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[Fault, ...]:
-    """Return the smallest set of mistakes, one or two, that would produce exactly these observations, or ().
+    """Return the smallest set of mistakes, one or two, that produces exactly these observations; otherwise ().
 
     Args:
         seen: the observations.
@@ -137,8 +137,8 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
 class _Search:
     """The candidates for an explanation, in the order of the search.
 
-    The search tries each candidate first in the last odd case, which usually reveals the most. It leaves out slips if
-    only one case is odd or an exception was raised: too many of them would fit.
+    The search tries each candidate first in the last odd case, which usually reveals the most. It skips slips if only
+    one case is odd or an exception was raised, because too many slips would fit.
     """
 
     def __init__(self, seen: Sequence[Observation], odd: Sequence[Observation], twins: Twins) -> None:
@@ -158,7 +158,7 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield pairs of mistakes where one leads to the last odd observation, or both make that case wrong.
+        """Yield pairs of mistakes where one of them leads to the last odd observation, or both make that case wrong.
 
         Yield no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a pair
         would only be a guess.

@@ -76,7 +76,7 @@ def likely_cause(error: BaseException, answer: Any) -> str:
 
 
 def _programs(answer: Any) -> str:
-    """Return the advice for an answer that does what its program does."""
+    """Return the advice for an answer that does its program's work itself."""
     if isinstance(answer, type) and not issubclass(answer, SimpleController):
         return _PROGRAMS.format(f"the node that {answer.__name__} gets")
     return _PROGRAMS.format("its node (config.node)")

@@ -38,7 +38,7 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
 
     @property
     def kind(self) -> tuple[type[BaseException], str]:
-        """The kind of failure. Two failures of the same kind count as the same observation.
+        """The kind of failure. Two failures of the same kind are treated as the same observation.
 
         The kind is the exception's type, together with the cause of a `Misuse`, or with the method whose call lacks a
         required argument.

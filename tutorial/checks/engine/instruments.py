@@ -1,4 +1,4 @@
-"""Instruments, which record how the learner's code uses time and threads, and can stop its clocks."""
+"""Instruments, which record how the learner's code uses time and threads and can stop its clocks."""
 
 import queue
 import sys
@@ -54,7 +54,10 @@ class Instruments:
         return self.trial
 
     def _noting(self, what: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Wrap a function to record the learner's calls. A clock stands still for them if the trial stops it."""
+        """Wrap a function to record the learner's calls.
+
+        For these calls, a clock that the trial has stopped stands still.
+        """
 
         @wraps(function)
         def noting(*args: Any, **kwargs: Any) -> Any:

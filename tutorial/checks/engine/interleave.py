@@ -21,8 +21,9 @@ EARLY = "You probably create the subscription before the attributes that its cal
 def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:
     """Run a function on this thread, and interrupt the learner's code in it from another thread.
 
-    A scheduler interrupts at random. This function lets a check try every place, and so find every race or rule it
-    out. A turn that waits for a lock held by the function ends after the function.
+    A scheduler interrupts threads at random. With this function, a check can interrupt the code at every instruction,
+    so it either finds a race or rules it out. If the other thread waits for a lock that the function holds, the
+    function continues meanwhile.
 
     Args:
         trial: the trial whose code is interrupted.
@@ -77,7 +78,7 @@ def traced(trial: Trial, enter: Callable[[FrameType, str, Any], Any]) -> Iterato
 
 
 def early(make: Callable[..., Any], message: Any) -> Run:
-    """Observe whether the callback can run as soon as there is a subscription, while `configure` is still running.
+    """Observe whether the callback can run as soon as the subscription exists, while `configure` is still running.
 
     Args:
         make: makes a `Rig` or a `Viewer`, which configures the controller, from a trial and a node.

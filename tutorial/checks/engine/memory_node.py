@@ -32,7 +32,7 @@ class Endpoint:
         topic_name: the topic's full name.
         callback: a subscription's callback; None for a publisher.
         qos: its quality of service.
-        depth: how many messages a subscription keeps while its thread is busy.
+        depth: how many messages a subscription stores while its thread is busy.
         destroyed: whether the learner has destroyed the endpoint.
     """
 
@@ -98,7 +98,8 @@ class MemoryNode:
     Attributes:
         get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
         made: all publishers and subscriptions that were ever made.
-        kept: the ones that the node still has, including any that were destroyed without notifying it.
+        kept: the publishers and subscriptions that the node still has, including any that were destroyed without
+            notifying it.
         timers: all timers that were ever made.
         subscribers: how many subscriptions of other programs each publisher is connected to.
         destroyed: whether the learner has destroyed the node itself.
@@ -140,7 +141,7 @@ class MemoryNode:
         return timer in self.timers
 
     def count_subscribers(self, topic_name: str) -> int:  # noqa: ARG002
-        """Return how many other programs subscribe to any topic."""
+        """Return how many other programs subscribe to a topic; the number is the same for all topics."""
         return self.subscribers
 
     @property
@@ -153,7 +154,7 @@ class MemoryNode:
         return [each.callback for each in self.subscriptions if each.kind is type(message)]
 
     def on(self, kind: type, topic: str) -> str:
-        """Name the topics that the answer uses for messages of a class, or only the given one if it is among them."""
+        """Name the topics that the answer uses for messages of a class, or only the given topic if it is among them."""
         made = [each.topic_name for each in self.made if each.kind is kind]
         wanted = expand_topic_name(topic, "tank", self.namespace)
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"

@@ -1,4 +1,4 @@
-"""Observe: try an answer in all cases, and keep the observations."""
+"""Observe: try an answer in all cases, and collect the observations."""
 
 import time
 from collections.abc import Callable, Collection, Mapping
@@ -57,7 +57,7 @@ class Observations:
     """All observations of an answer.
 
     Attributes:
-        all: one observation per case, in the order of the trials. The last one may have ended the check early.
+        all: one observation per case, in the order of the trials. The last observation may have ended the check early.
         changed: the name of a shared object that the trials have changed, as `SharedState.changed` returns it.
     """
 
@@ -77,7 +77,7 @@ class Observations:
 def observe(
     cases: Cases, answer: Any, begin: Callable[[Any, Collection[str]], Trial], expected: Callable[[Case], Any]
 ) -> Observations:
-    """Try an answer in one case after another, until the remaining ones would reveal nothing more.
+    """Try an answer in one case after another, until the remaining cases would reveal nothing more.
 
     Args:
         cases: the cases.
@@ -109,7 +109,7 @@ def attempt(run: Run, trial: Trial) -> Any:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Return whether two observations are equal, apart from rounding errors and the lines of failures."""
+    """Return whether two observations are equal, except for rounding errors and the line numbers of failures."""
     match a, b:
         case Failure(), Failure():
             return bool(a.kind == b.kind)

@@ -48,13 +48,13 @@ class Publishing:
     namespaces: bool = True
 
     def cases(self, solution: type, own: Sequence[Case], mistakes: Sequence[Mistake], meaning: str) -> Cases:
-        """Combine an exercise's own cases and mistakes with the ones that all exercises about publishers share.
+        """Combine an exercise's own cases and mistakes with those that all exercises about publishers share.
 
         Args:
             solution: the right answer.
-            own: the exercise's own cases. They replace shared ones with the same label.
+            own: the exercise's own cases. They replace shared cases with the same label.
             mistakes: the exercise's own mistakes.
-            meaning: the meaning of cases that define none: see `Cases`.
+            meaning: the default meaning of a case: see `Cases`.
         """
         labels = {case.label for case in own}
         last = [
@@ -93,7 +93,7 @@ class Publishing:
 
     @property
     def wrong_steps(self) -> str:
-        """The meaning of a case whose messages are too frequent or too rare."""
+        """The meaning of a case with too many or too few messages."""
         return (
             "You probably hard-code the number of steps, truncate it, leave it unrounded, "
             "or measure time instead of counting steps. "
@@ -108,7 +108,7 @@ class Publishing:
         )
 
     def messages(self, rig: Rig) -> list[Sent]:
-        """Return the messages that were sent on the topic; if there are none, the messages on other topics."""
+        """Return the messages that were sent on the topic; if there are no such messages, those on other topics."""
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
@@ -128,7 +128,7 @@ class Publishing:
         return rig
 
     def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Run:
-        """Observe the content of the messages, or some other property."""
+        """Observe the content of the messages, or another property of them."""
         return lambda trial: self.held(self.play(trial, seconds, **options), look)
 
     def held(self, rig: Rig, look: Look | None = None) -> Any:
@@ -192,7 +192,7 @@ class Publishing:
         return [self.often(rig), self.held(rig)]
 
     def two(self, trial: Trial, **options: Any) -> Any:
-        """Observe two robots that take turns."""
+        """Observe two robots whose simulations run alternately."""
         rover = self.scene(trial, time_step=0.01, **options)
         lift = self.scene(trial, time_step=0.02, **{"model": "crane", "name": "Lift", **options})
         for rig in (rover, lift):
@@ -204,7 +204,7 @@ class Publishing:
         return [look(rig) for rig in (rover, lift) for look in (self.often, self.held)]
 
     def on_ros(self, trial: Trial) -> str:
-        """Observe whether messages arrive when rclpy's own node is used."""
+        """Observe whether messages arrive when the answer runs on rclpy's own node."""
         with ros_node() as node:
             rig, arrived = self.scene(trial, node=node, time_step=0.002), list[Any]()
             node.create_subscription(self.kind, f"/Rover/{self.topic}", arrived.append, qos_profile_sensor_data)

@@ -55,7 +55,7 @@ def finding_of(failure: Failure, answer: Any, cause: str | None = None, label: s
 def _cause(cases: Cases, answer: Any, seen: Observations, odd: Observation, why: Fault | Why) -> str:
     """Return the sentence for a cause.
 
-    Shared state takes precedence over the cause, but over a known mistake only if the state is on a class.
+    If objects share state, the sentence explains this instead; for a known mistake, only if the state is on a class.
     """
     if isinstance(why, Fault):
         is_shared, sentence = "." in seen.changed, f"Most likely {why.cause}"

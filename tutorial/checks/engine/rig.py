@@ -64,7 +64,7 @@ class Rig:
         has_threads: whether any of the learner's threads were running at the last stop.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. Every method of a rig can also raise this.
+        Failure: one of the learner's methods raised an exception. Every method of a rig can also raise this error.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Rig:
             self.trial.call(callback, message)
 
     def stop(self) -> None:
-        """Stop the simulation, and wait until the learner's threads publish nothing more."""
+        """Stop the simulation, and wait until the learner's threads have stopped publishing."""
         self.has_threads = bool(set(threading.enumerate()) - self._threads)
         self.do("stop")
         before = -1

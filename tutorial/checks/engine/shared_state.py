@@ -1,4 +1,4 @@
-"""Shared state: values that an answer keeps on its class or in the notebook, where all its objects share them."""
+"""Shared state: values that an answer stores on its class or in the notebook, where all its objects share them."""
 
 import dis
 import inspect

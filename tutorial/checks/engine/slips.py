@@ -26,7 +26,7 @@ def slips(kind: Kind, source: str) -> Iterator[Fault]:
 
 
 def missing(node: ast.AST) -> Slips:
-    """Leave out a statement that is not a docstring."""
+    """Remove a statement that is not a docstring."""
     is_docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return) and not is_docstring:
         yield f"`{ast.unparse(node)}` is missing or never reached.", node, ast.Pass()

@@ -39,7 +39,7 @@ class Trial:
         kept: objects of earlier trials that later trials can reuse.
 
     Attributes:
-        running: by thread, the calls that have not returned, the innermost last.
+        running: the calls that have not returned, by thread; the innermost call is the last.
         noted: where the answer has used ``"sleep"``, ``"clock"``, ``"thread"``, ``"timer"`` or ``"touch"``.
         clocks: by name, the times that the stopped clocks of `time` show to the answer; None while they run.
         ahead: how far these clocks were advanced [s].
@@ -125,7 +125,10 @@ class Trial:
         return Failure(method, error, self.place(reversed([*walk_tb(error.__traceback__)])))
 
     def note(self, what: str, frame: FrameType) -> None:
-        """Record what the answer uses, such as ``"clock"``; a sleep only on a thread that runs one of the methods."""
+        """Record what the answer uses, such as ``"clock"``.
+
+        Record a sleep only on a thread that runs one of the learner's methods.
+        """
         if what != "sleep" or self.running[threading.get_ident()]:
             self.noted.setdefault(what, self.place(walk_stack(frame)))
 
@@ -143,7 +146,7 @@ class Trial:
             self.clocks = None
 
     def place(self, stack: Iterable[tuple[FrameType, int]]) -> Place | None:
-        """Return the first line in a watched file; the stack's innermost frame comes first."""
+        """Return the first line that is in a watched file, starting at the stack's innermost frame."""
         found = ((frame.f_code, line) for frame, line in stack if frame.f_code.co_filename in self.watched)
         return next((Place(code.co_filename, line, code.co_name) for code, line in found), None)
 

@@ -45,7 +45,7 @@ class Twins:
         return self._seen[case.label]
 
     def does(self, case: Case, *faults: Fault) -> Any:
-        """Return a case's observation of the solution with mistakes; None if the mistakes exclude each other."""
+        """Return a case's observation of the solution with mistakes; None if the mistakes cannot be combined."""
         if (case.label, faults) not in self._seen:
             twin = self.make(*faults)
             self._seen[case.label, faults] = twin and self.attempt(case, twin)
@@ -69,7 +69,7 @@ class Twins:
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:
-        """Return the solution with mistakes in it; None if one mistake removes the text that a second one changes."""
+        """Return the solution with mistakes in it; None if one mistake removes the text that another one changes."""
         if faults not in self._seen:
             self._seen[faults] = self._define(*faults)
         return self._seen[faults]

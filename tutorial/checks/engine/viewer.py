@@ -34,7 +34,7 @@ ENDLESS = "The posted call probably posts itself again. Post the method that sho
 
 
 class _Guard(ThreadGuard):
-    """A guard that raises no exceptions, but records ``"touch"`` if a thread other than the main one uses the body.
+    """A guard that raises no exceptions, but records ``"touch"`` if a thread other than the main thread uses the body.
 
     This way, the check also sees what the code does next, for example that it posts a method's return value.
     """
@@ -44,7 +44,7 @@ class _Guard(ThreadGuard):
         self._trial = trial
 
     def check(self, _action: str) -> None:
-        """Record a call from a thread other than the main one."""
+        """Record a call from a thread other than the main thread."""
         if threading.get_ident() != self._ident and not self._trial.is_interleaved:
             self._trial.note("touch", sys._getframe())
 
@@ -67,7 +67,7 @@ class Viewer:
             up to date.
 
     Raises:
-        Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this.
+        Failure: one of the learner's methods raised an exception. Every method of a viewer can also raise this error.
     """
 
     def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:

@@ -1,4 +1,4 @@
-"""Viewing: the cases shared by all exercises about viewers, and steps to build them from."""
+"""Viewing: the cases shared by all exercises about viewers, and the steps from which they are built."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -28,7 +28,7 @@ PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call sti
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
-    """Make the run of a case: perform steps, one after another, and join their observations.
+    """Make the `run` function of a case: perform steps, one after another, and join their observations.
 
     Args:
         done: the steps.
@@ -56,7 +56,7 @@ def heard(*messages: Any) -> Step:
 def hands_over(*messages: Any) -> Step:
     """Make a step that counts how many of these messages make the callback post a call.
 
-    The step fails if the callback starts its own timer or thread.
+    The step fails if the callback starts a timer or a thread.
     """
 
     def step(viewer: Viewer) -> str:
@@ -99,7 +99,7 @@ def viewing(
         solution: the right answer.
         topic: the topic of the subscription, without the body's name.
         message: a message that a right answer receives at the end, through rclpy's own node.
-        arrivals: steps that deliver messages; the last one comes from `hands_over`.
+        arrivals: steps that deliver messages; the last step comes from `hands_over`.
         cases: the exercise's own cases, in order.
         post: the solution's statement that posts a call.
         may_ask_clock: whether an answer may read the computer's clock.

@@ -2,7 +2,7 @@
 
 Its arguments are the notebook's file descriptor, the CPU time limit per process [s], whether this process is in a
 sandbox, and optionally the name of an exercise. With a name it judges the answer, otherwise it lists the exercises. It
-writes one message to stdout, and exits when its parent does.
+writes one message to stdout and exits when its parent exits.
 """
 
 import asyncio

@@ -1,8 +1,8 @@
 """Finds the answers in a notebook: the arguments of checks, with only the definitions that they need.
 
 The notebook is not run. This module extracts the imports, functions, classes and assignments that define the names used
-by the answer, directly or indirectly. So an answer can be judged even if other cells fail, or wait for a simulation
-that nobody has started.
+by the answer, directly or indirectly. Therefore, an answer can be judged even if other cells fail, or wait for a
+simulation that nobody has started.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class _Check(NamedTuple):
 def cells_of(text: str) -> list[str]:
     """Return the code cells of a notebook.
 
-    This does not use nbformat, whose import takes as long as judging an answer.
+    This function does not use nbformat, because importing it takes as long as judging an answer.
 
     Args:
         text: the content of the file.
@@ -119,7 +119,8 @@ def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Ans
 
     Returns:
         An answer for each exercise that the notebook imports, checks or answers, in the order of the checks. If a check
-        is called several times, the last call with the answer's name counts, or the last call if none has it.
+        is called several times, the last call with the answer's name is used, or the last call if no call has this
+        name.
     """
     nodes: list[tuple[ast.stmt, str]] = []
     unreadable: dict[str, tuple[str, str]] = {}
@@ -161,7 +162,10 @@ def _answer(
 
 
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
-    """Collect the statements that define names, recursively. For each name, prefer those before a position, if any."""
+    """Collect the statements that define names, recursively.
+
+    For each name, prefer the statements before a position, if there are any.
+    """
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)
     while waiting:
@@ -176,7 +180,7 @@ def _needed(names: Iterable[str], statements: Sequence[_Statement], position: in
 
 
 def _parsed(cell: str, name: str) -> list[ast.stmt]:
-    """Parse a cell, and keep its lines for tracebacks.
+    """Parse a cell, and store its lines for tracebacks.
 
     Raises:
         Exception: the cell is not valid Python.
@@ -219,7 +223,7 @@ def _statement(node: ast.stmt, file: str) -> _Statement:
 
 
 def _compiles(node: ast.stmt) -> bool:
-    """Return whether a statement compiles here; one with a top-level ``await`` does so only in a notebook."""
+    """Return whether a statement compiles here; a top-level ``await`` compiles only in a notebook."""
     try:
         compile(ast.Module([node], []), "cell", "exec", dont_inherit=True)
     except SyntaxError:

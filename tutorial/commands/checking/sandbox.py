@@ -1,7 +1,7 @@
 """The sandbox for processes that run untrusted code. It uses bubblewrap, as Flatpak does.
 
 It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; a
-network with only its own loopback; and processes that are all killed when the first one ends. It needs Linux, the
+network with only a loopback interface; and processes that are all killed when the first one ends. It needs Linux, the
 program ``bwrap``, the library libseccomp, and a system that lets ordinary users create namespaces.
 """
 
@@ -45,7 +45,8 @@ def sandbox(folder: str, file: Path | None = None) -> list[str]:
 
     Args:
         folder: the writable folder. Files written there are invisible outside the sandbox.
-        file: another file to read, of a program that talks to programs outside, and so also has their network; or None.
+        file: another readable file, for a program that communicates with programs outside the sandbox and therefore
+            shares their network; or None.
     """
     shared = () if file is None else ("--share-net", "--ro-bind", str(file), str(file))
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
@@ -65,10 +66,10 @@ def need_sandbox(otherwise: str = "give --no-sandbox") -> None:
     """Check that the sandbox works.
 
     Args:
-        otherwise: how to do without it, for the error.
+        otherwise: how to proceed without a sandbox, for the error message.
 
     Raises:
-        TutorialError: it does not; the error says why, and how to fix it.
+        TutorialError: the sandbox does not work; the error gives the reason and a fix.
     """
     for what, found in (("the program bwrap", shutil.which("bwrap")), (SECCOMP, find_library("seccomp"))):
         if found is None:

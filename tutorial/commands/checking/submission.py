@@ -96,7 +96,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
         EOFError: the process wrote nothing.
         OSError: the notebook cannot be opened.
         TimeoutError: the process took too long.
-        ValueError, RecursionError: the process wrote something other than one message.
+        ValueError, RecursionError: the output of the process is not exactly one message.
     """
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
         command = asyncio.create_subprocess_exec(
@@ -144,7 +144,7 @@ async def _bound_memory(pid: int) -> None:
 def _mapped(process: psutil.Process) -> int:
     """Return the address space of a process [bytes]; 0 if it has ended.
 
-    On macOS, where that is always hundreds of GB, return the resident memory instead.
+    On macOS, where the address space is always hundreds of GB, return the resident memory instead.
     """
     with suppress(psutil.Error):
         return int(getattr(process.memory_info(), "rss" if sys.platform == "darwin" else "vms"))
@@ -152,7 +152,7 @@ def _mapped(process: psutil.Process) -> int:
 
 
 def environment(folder: str) -> dict[str, str]:
-    """Return the environment of a stranger's program, whose files are in a folder."""
+    """Return the environment variables for an untrusted program whose files are in a folder."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     return {
         **{name: value for name, value in os.environ.items() if name.startswith(KEPT)},

@@ -32,7 +32,7 @@ def make_package(
 
     Args:
         name: the package's name.
-        controller: the Python file that defines it, and its class name, which can be None if there is only one.
+        controller: the Python file that defines it, and its class name, which can be None if the file defines only one.
         example: ``"listener"``, the first node of step 1's notebook, or ``"server"``, which offers a service.
 
     Returns:

@@ -23,7 +23,7 @@ FONT = f"fill:{svg.INK};font-family:{svg.CODE_FONT}"
 
 
 def callback_lanes(node: WatchedNode, *callbacks: str) -> Picture:
-    """Draw when a node's callbacks ran and waited, from the first run of the given ones to the last.
+    """Draw when a node's callbacks ran and waited, from the first to the last run of the given callbacks.
 
     Args:
         node: the node.
@@ -55,7 +55,7 @@ def callback_lanes(node: WatchedNode, *callbacks: str) -> Picture:
 
 
 def _x(moment: float, times: tuple[float, float]) -> float:
-    """Return the x of a moment [px], between the ends of the time axis."""
+    """Return a moment's horizontal position [px], between the ends of the time axis."""
     return LEFT + (RIGHT - LEFT) * min(max((moment - times[0]) / (times[1] - times[0]), 0.0), 1.0)
 
 
@@ -68,7 +68,7 @@ def _draw_spans(root: Element, spans: list[Span], y: float, times: tuple[float, 
 
 
 def _write_labels(root: Element, spans: list[Span], y: float, times: tuple[float, float]) -> None:
-    """Write the names of spans that run, where they begin and there is room."""
+    """Write each running span's name at its beginning, if there is room."""
     free = 0.0  # the x from which there is room
     for span in spans:
         x, width = _x(span.began, times), LETTER * (len(span.label) + 2)

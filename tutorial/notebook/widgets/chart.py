@@ -45,7 +45,7 @@ def draw_plot(
         x_range: the smallest and the largest x to show.
         labels: the labels of the x and y axes.
         least: the smallest range of y to show.
-        more: the number of curves that are left out.
+        more: the number of curves that are omitted.
     """
     heights = [y for curve in curves.values() for _, y in curve.points if math.isfinite(y)]
     low, high = min(heights), max(heights)
@@ -147,7 +147,7 @@ def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
 
 
 def tick_text(value: float, step: float) -> str:
-    """Format a tick's number with enough digits to tell it from its neighbours."""
+    """Format a tick's number with enough digits to distinguish it from its neighbours."""
     digits = max(0, -math.floor(math.log10(step) + 1e-9))
     if digits > 6 or abs(value) >= 1e12:
         return f"{value:.3g}"
