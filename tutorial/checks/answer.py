@@ -1,7 +1,7 @@
 """The exercise `answer`: a request that the simulation's thread carries out, and its answer.
 
 Write the controller `AngleServer`. It offers the service `angle` of its body (type `Trigger`), which for the body
-`Tank` is `/Tank/angle`. The response says where the joint `TURRET_Y` of the simulated body is.
+`Tank` is `/Tank/angle`. The response contains the angle of the simulated body's joint `TURRET_Y`.
 
 - The simulated body belongs to the simulation's thread. During a step, its joints hold intermediate values, so only
   this thread may read it, between two steps: use `config.ask`.

@@ -1,7 +1,7 @@
 """The exercise `ask`: ask two questions in a callback, and never wait for yourself.
 
 Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it asks
-`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: no need to check.
+`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you don't have to check.
 
 - If both succeed, it returns the response of `/go_home`.
 - If `success` is False in the door's response, it does not ask `/go_home`, and returns the door's response.

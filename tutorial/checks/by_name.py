@@ -4,13 +4,13 @@ Write the function `match_by_name(joint_names, message)`. It returns a new dict 
 to the positions that the `JointState` `message` has for them. `joint_names` contains the names of the body's joints.
 
 - The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
-- Leave out names that the body does not have.
+- Ignore names that the body does not have.
 - If there are fewer or more positions than names, use the names that have a position. If there are no positions, the
   dict is empty.
-- Leave out positions for which `math.isfinite` returns False: NaN and infinities.
+- Ignore positions for which `math.isfinite` returns False: NaN and infinities.
 - If a name appears twice, use its last finite position.
 
-It never raises an exception, never makes up a position, and does not change the message.
+The function never raises an exception, never makes up a position, and does not change the message.
 
 Hint 1: Look at the message's names and positions as pairs, in the message's order. Whether a pair counts does not
 depend on the other pairs.

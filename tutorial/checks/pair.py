@@ -7,7 +7,7 @@ the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it 
 - Either message can arrive first, and one topic can be ahead of the other. Each topic's messages arrive in the order of
   their stamps.
 - When a pair is complete, drop all messages that arrived before its first message: their partners would be too late.
-  Messages that arrived after that one can still find their partners.
+  Messages that arrived later can still find their partners.
 - At most 50 messages wait. Count them per topic or in total, as you like. If there are more, drop the one that
   *arrived* first.
 - After a restart of the publisher, the stamps start at 0 again. Match these messages immediately, too.

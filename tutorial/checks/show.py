@@ -5,8 +5,8 @@ Write the controller `MyViewer`. It subscribes to the topic `joint_state` of its
 namespace, so the topic can also begin with a slash.
 
 - The displayed body belongs to the main thread. The callback only posts, with `config.call_later`, and returns.
-- The posted call matches by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and notifies
-  (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
+- The posted call matches the joints by name, sets the positions, computes the kinematics (`calc_forward_kinematics`),
+  and calls `notify_change`. To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
 - It shows every message, even if it repeats the previous one, and even if its stamp is smaller after a restart
   of the publisher. It may drop a message that is only late, as `JointMatcher` does.
 - It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys its subscription.

@@ -3,9 +3,9 @@
 Write the controller `TrackLimits`. It declares two parameters of the program's node, `speed` and `turn` [m/s], with the
 values 1.0 and 0.5. Both are doubles, have a description, and a range from 0.0 to 2.0.
 
-- Their sum must not be above 2.5. The controller refuses what would exceed that, and the reason contains the sum,
+- Their sum must not be above 2.5. The controller refuses a larger sum, and the reason contains this sum,
   such as `3.5`.
-- If both are set together, only the new values count.
+- If both are set together, only the new values matter.
 - `limits()` returns the current values as a tuple, `(speed, turn)`.
 - In `unconfigure`, when the controller leaves the body, it removes its callback and undeclares both parameters.
 
