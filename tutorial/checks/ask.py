@@ -4,7 +4,7 @@ Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger
 `/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you don't have to check.
 
 - If both succeed, it returns the response of `/go_home`.
-- If `success` is False in the door's response, it does not ask `/go_home`, and returns the door's response.
+- If `success` is False in the door's response, it does not ask `/go_home`, but returns the door's response.
 - All callbacks of the program's node run on one thread. This thread must not wait for a response.
 - Create the clients in `configure`. In `unconfigure`, when the controller leaves the body, the node destroys the
   service and the clients.

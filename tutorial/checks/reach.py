@@ -1,7 +1,7 @@
 """The exercise `reach`: connect two incompatible programs.
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
-volatile. The program of a screen on the wall subscribes to `/wall/joint_state`, and asks for `RELIABLE` and
+volatile. The program of a screen on the wall subscribes to `/wall/joint_state` and asks for `RELIABLE` and
 `TRANSIENT_LOCAL`, because it often starts late. You can't change these programs. A `QoSProfile(depth=...)` is
 `RELIABLE` by default; here, any depth works.
 
@@ -10,7 +10,7 @@ subscription and a publisher on it.
 
 - Each of the robot's messages reaches the screen, unchanged, exactly once and in order, even if it repeats the
   previous one.
-- `on_joint_state` is the callback. It publishes immediately, and creates no publisher or subscription: subscriptions
+- `on_joint_state` is the callback. It publishes immediately and creates no publisher or subscription: subscriptions
   take time to discover a publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
 - A screen that starts late gets the robot's newest message, even if no screen was running before, and however old
