@@ -3,9 +3,9 @@
 Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
 - `write` runs on the recorder's thread. It takes entries from the queue one by one, each a time [ns] and a payload,
-  and writes each entry immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an
-  entry even if its payload or time repeats an earlier one: a repeated message is still a message. `self.received.get()`
-  waits for an entry. `None` ends the thread.
+  and writes each entry immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes
+  an entry even if its payload or time repeats an earlier one: a repeated message is still a message.
+  `self.received.get()` waits for an entry. `None` ends the thread.
 - `unconfigure` ends everything that `configure` has started. Afterwards, every received message is in the bag, and
   nothing writes into it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
 - You may also extend `configure`. If you do, call `super().configure(config)` in it. This call starts the thread, so
