@@ -10,7 +10,7 @@ to the positions that the `JointState` `message` has for them. `joint_names` con
 - Ignore positions for which `math.isfinite` returns False: NaN and infinities.
 - If a name appears twice, use its last finite position.
 
-It never raises an exception, never makes up a position, and does not change the message.
+The function never raises an exception, never makes up a position, and does not change the message.
 
 Hint 1: Look at the message's names and positions as pairs, in the message's order. You can check each pair
 independently of the other pairs.

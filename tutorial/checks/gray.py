@@ -5,7 +5,7 @@ Write the controller `GrayPublisher`. It publishes what the camera `CAMERA` sees
 leading slash, so it is in the node's namespace.
 
 - Request a picture every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
-  either round the number of steps or get the average rate right. Publish every picture that you get, even if it
+  either round the number of steps or keep the average rate exact. Publish every picture that you get, even if it
   repeats the previous one: a repeated message is still a message.
 - Each pixel is one byte: the average of its red, green and blue values, rounded or truncated. This encoding is called
   `mono8`. The field `step` is the number of bytes in a row.

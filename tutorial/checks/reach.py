@@ -1,9 +1,9 @@
 """The exercise `reach`: connect two incompatible programs.
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
-volatile. The program for a screen on the wall subscribes to `/wall/joint_state` and asks for `RELIABLE` and
-`TRANSIENT_LOCAL`, because it often starts late. You can change neither. A `QoSProfile(depth=...)` is `RELIABLE` by
-default; here, any depth will do.
+volatile. The program of a screen on the wall subscribes to `/wall/joint_state` and asks for `RELIABLE` and
+`TRANSIENT_LOCAL`, because it often starts late. You can't change these programs. A `QoSProfile(depth=...)` is
+`RELIABLE` by default; here, any depth works.
 
 Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning and creates a
 subscription and a publisher on it.
@@ -13,8 +13,8 @@ subscription and a publisher on it.
 - `on_joint_state` is the callback. It publishes immediately and creates no publisher or subscription: subscriptions
   take time to discover a publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
-- A screen that starts late gets the robot's newest message, even if no screen was connected before, and however old the
-  message is.
+- A screen that starts late gets the robot's newest message, even if no screen was running before, and however old
+  the message is.
 
 Hint 1: Look at both connections separately. In each connection, one side offers and the other side asks. What is the
 most that the relay can ask of the robot, and the least that it has to offer the screen?

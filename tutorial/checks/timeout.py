@@ -4,7 +4,7 @@ Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called
 and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.
 
 - A message arrives in the call that passes a different object than the previous call (`is not`), even if its axes are
-  the same: a stick held still sends them again and again. In the first call, the message is new.
+  the same: a joystick repeats the axes while its sticks are held still. In the first call, the message is new.
 - Use only `seconds`. A step can have any length, the message's stamp can be empty, and the computer's clock does not
   show simulated time.
 - A message that arrives after a stale one is fresh again.
