@@ -20,7 +20,7 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
 
     Args:
         node: its node's name.
-        seconds: how long it ran [s], in simulated time if it simulates.
+        seconds: the duration of the run [s], in simulated time if the process simulates.
         meters: the node's meters.
         items: the displayed bodies.
 

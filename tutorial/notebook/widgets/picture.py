@@ -8,9 +8,9 @@ from tutorial.view.assets import read_static
 
 
 class Picture(CellWidget):
-    """Shows an SVG in a cell, and replaces it with each later one.
+    """Shows an SVG picture in a cell; `show` replaces it.
 
-    Only shapes and text reach the page: scripts, links and everything else are removed.
+    Only shapes and text reach the page: everything else, such as scripts and links, is removed.
 
     Args:
         svg: the picture; empty if there is no picture yet.

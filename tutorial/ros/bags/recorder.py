@@ -49,7 +49,7 @@ class Recorder:
     Attributes:
         path: the bag's folder.
         lost: number of messages that were received but not written because the disk was too slow, or full.
-        error: why writing has stopped; None while all is well.
+        error: why writing has stopped; None if there was no error.
 
     Raises:
         TutorialError: the folder exists or cannot be created, or a topic's name breaks the naming rules. When the
@@ -133,7 +133,7 @@ class Recorder:
     def _settle(self) -> None:
         """Wait for messages that were sent before the end, until no more arrive, for at most one second.
 
-        A timer on the executor's thread checks this, because no messages arrive while that thread is busy.
+        A timer on the executor's thread checks for new messages, because none arrive while that thread is busy.
         """
         seen: deque[int] = deque(maxlen=3)
         quiet = threading.Event()

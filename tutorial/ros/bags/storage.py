@@ -33,7 +33,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Channel:
-    """A bag's data about a topic, apart from its messages.
+    """A bag's data about a topic, without the messages.
 
     Attributes:
         topic: its full name.
@@ -53,7 +53,7 @@ class Channel:
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML loader that ignores merge keys: a few that refer to each other expand to gigabytes."""
+    """YAML loader that ignores merge keys, because a few keys that refer to each other can expand to gigabytes."""
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
         """Leave a mapping unchanged."""
