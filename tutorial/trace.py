@@ -29,7 +29,7 @@ class Moment:
 
     @classmethod
     def now(cls) -> Moment:
-        """Return this moment, on this thread."""
+        """Return the current time and thread."""
         return cls(time.perf_counter(), threading.current_thread().name)
 
 
@@ -72,7 +72,7 @@ class Handoff:
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
-        """Record that a newer call replaced this one, at the time when the newer one was posted."""
+        """Record that a newer call replaced this one, at the time when the newer call was posted."""
         self.superseded = newer.posted if newer is not None else Moment.now()
 
 
@@ -96,7 +96,7 @@ class HandoffTrace:
 
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
-        """Record a message's callback, which runs inside this context, and attribute the calls that it posts to it.
+        """Record a message's callback, which runs in this context, and attribute the callback's calls to the message.
 
         Args:
             topic: the message's topic.

@@ -225,7 +225,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def error(self) -> BaseException | None:
-        """The last error of the simulation, or else of a callback, a camera or a posted call, since the last start."""
+        """The last error since the last start: the simulation's, or else that of a callback, camera or posted call."""
         simulated = self.simulation.error if self.simulation is not None else None
         return simulated or self._ros.error or self._cameras.error or self._calls.error
 

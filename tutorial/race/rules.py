@@ -141,7 +141,7 @@ class Race:
         return (self._next - self._first) / ahead if ahead else 1.0
 
     def _end(self, state: Result, on_rail: bool) -> str:
-        """Return why the race ends in this state; empty if it continues. A foul takes precedence over all others."""
+        """Return why the race ends in this state; empty if it continues. A foul always takes precedence."""
         if state.foul:
             return FOUL
         if on_rail and state.progress == 1.0:

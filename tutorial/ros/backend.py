@@ -41,7 +41,7 @@ def use_real_ros() -> None:
         use_real_ros()
 
     Raises:
-        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the error explains what to do.
+        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the error says what to do.
     """
     _choose("rclpy")
     os.environ[VARIABLE] = "rclpy"

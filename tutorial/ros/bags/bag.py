@@ -192,7 +192,7 @@ class Bag:
         return None
 
     def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
-        """Yield the messages sorted by time. A message written up to one batch too late is moved forward."""
+        """Yield the messages sorted by time. A message written up to one batch late is moved to its correct place."""
         waiting: list[RawMessage] = []
         for batch in chain.from_iterable(reader.batches(since) for reader in self._readers):
             found = list(batch)

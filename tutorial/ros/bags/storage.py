@@ -18,7 +18,7 @@ class CorruptBagError(Exception):
 
 @dataclass
 class Span:
-    """The number of messages, and when the first and the last one were received [ns]; 0 if there are none."""
+    """The number of messages, and when the first and the last message were received [ns]; 0 without messages."""
 
     count: int = 0
     start: int = 0

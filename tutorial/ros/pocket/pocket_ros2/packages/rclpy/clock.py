@@ -63,7 +63,7 @@ class Clock:
 
         Args:
             until: when to wake up.
-            context: a context whose shutdown ends the sleep; None uses the default one.
+            context: a context whose shutdown ends the sleep; None uses the default context.
 
         Returns:
             Whether the time was reached: False if the context was shut down, or if the clock switched between the
