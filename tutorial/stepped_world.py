@@ -23,7 +23,7 @@ _log = logging.getLogger(__name__)
 
 
 class ControllerError(TutorialError):
-    """A controller raised an exception (this error's cause), or does not return, so the simulation stopped."""
+    """The simulation has stopped because a controller raised an exception (this error's cause) or does not return."""
 
 
 @dataclass(frozen=True)

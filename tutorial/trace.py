@@ -1,7 +1,7 @@
 """Records when, and on which thread, each message was received, posted and applied, to make the hand-off visible.
 
-Without a trace, a program only makes one check per message and per call. A trace keeps only the newest handoffs, so it
-can stay switched on.
+Without a trace, a program only makes one check per message and per call. A trace stores only the newest handoffs, so it
+can always remain enabled.
 """
 
 from __future__ import annotations
@@ -82,10 +82,10 @@ class HandoffTrace:
     Pass it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
-        capacity: how many handoffs to keep; the oldest are dropped.
+        capacity: how many handoffs to store; the oldest handoffs are dropped.
 
     Attributes:
-        handled: the number of messages whose callbacks have returned, including those that are no longer kept.
+        handled: the number of messages whose callbacks have returned, including those that are no longer stored.
     """
 
     def __init__(self, capacity: int = 200) -> None:

@@ -97,7 +97,7 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Explain why there is no report yet: no message has arrived, or none could be shown."""
+        """Explain why there is no report yet: no message has arrived, or no message could be shown."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"no message on {topic} could be shown yet"
@@ -212,7 +212,7 @@ class Item:
 
 
 class _AskUntilClosed:
-    """A controller's `ask`. Once its scope is closed, all its requests are refused, even waiting ones."""
+    """A controller's `ask`. Once its scope is closed, all its requests are refused, even those that are waiting."""
 
     def __init__(self, scope: CallScope, ask: Ask) -> None:
         self._scope = scope

@@ -65,7 +65,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
 
 
 def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, dict[str, Any]]:
-    """Combine the meters by topic and direction: a topic's publishers count as one, and so do its subscriptions."""
+    """Combine the meters by topic and direction: a topic's publishers share an entry, and so do its subscriptions."""
     ends: defaultdict[tuple[str, str], list[TopicMeter]] = defaultdict(list)
     for meter in meters:
         ends[meter.direction, meter.topic].append(meter)

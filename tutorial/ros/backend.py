@@ -32,7 +32,7 @@ def ros_backend() -> Backend:
 
 
 def use_real_ros() -> None:
-    """Use a real ROS 2 here and in child processes: a sourced one, or the one that ``tank ros install`` has installed.
+    """Use a real ROS 2 here and in child processes: a sourced ROS 2, or the ROS 2 installed by ``tank ros install``.
 
     Call it before importing anything from ROS 2, in the first cell of a notebook::
 
@@ -49,7 +49,7 @@ def use_real_ros() -> None:
 
 
 def real_ros_needed(what: str) -> TutorialError:
-    """Return an error that names the thing that needs a real ROS 2, and explains how to get and use one.
+    """Return an error that names what needs a real ROS 2, and explains how to get and use a real ROS 2.
 
     Args:
         what: the subject of the sentence, such as ``"TankServer"``.

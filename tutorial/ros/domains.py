@@ -1,4 +1,4 @@
-"""Reserve a ROS domain, so that programs running side by side don't receive each other's messages."""
+"""Reserve a ROS domain, so that programs that run at the same time don't receive each other's messages."""
 
 import random
 import socket

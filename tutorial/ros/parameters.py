@@ -1,6 +1,6 @@
 """List, read and set the parameters of other nodes, with the output of ``ros2 param``. Requires a real ROS 2.
 
-The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). Nothing here prints.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """List and call services, as ``ros2 service list``, ``type`` and ``call`` do. Requires a real ROS 2.
 
-The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). Nothing here prints.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
 """
 
 import asyncio

@@ -1,6 +1,6 @@
 """Serves the 3D view to browsers on this machine, for programs outside Jupyter.
 
-The server has no thread or process of its own. It runs on the main thread's event loop, so it ends with the program,
+The server has no separate thread or process. It runs on the main thread's event loop, so it ends with the program,
 regardless of how the program ends.
 """
 

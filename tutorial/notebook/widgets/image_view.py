@@ -22,7 +22,7 @@ class ImageView(FrameWidget, NodeWidget):
 
     Its node, ``image_view``, subscribes with depth 1. The subscription is reliable if all publishers are; otherwise it
     is best effort, and the loss of one fragment means the loss of the whole image. A page receives the next image after
-    it has drawn the previous image, so a slow page skips images and no queue builds up.
+    it has drawn the previous image. A slow page therefore skips images instead of queueing them.
 
     Args:
         topic: a topic of type ``sensor_msgs/msg/Image``.

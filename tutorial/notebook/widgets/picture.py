@@ -1,4 +1,4 @@
-"""Vector pictures in cells: static pictures, and live pictures that their own nodes update."""
+"""Vector pictures in cells: static pictures, and live pictures that nodes update."""
 
 import traitlets
 
@@ -41,7 +41,7 @@ class Picture(CellWidget):
 
 
 class LivePicture(Picture, NodeWidget):
-    """A picture that its own node's callbacks update. Create it on the main thread while its event loop is running.
+    """A picture that the callbacks of its node update. Create it on the main thread while its event loop is running.
 
     Args:
         name: the picture's subject, for the ``repr``.

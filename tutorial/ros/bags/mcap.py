@@ -128,7 +128,7 @@ class McapReader:
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
         """Yield the messages of each chunk, except for chunks that end before a time [ns].
 
-        A message outside a chunk forms its own batch.
+        A message outside a chunk forms a separate batch.
         """
         try:
             with self._path.open("rb") as file:
@@ -176,7 +176,7 @@ class McapReader:
                 self._say("a message in it belongs to no topic")
 
     def _take(self, record: records.McapRecord) -> None:
-        """Store a topic or its type's name. Of those with the same id, keep only the first: others may be damaged."""
+        """Store a topic or its type's name. Store only the first with each id, because repetitions may be damaged."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
         elif isinstance(record, records.Channel):

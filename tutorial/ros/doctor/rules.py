@@ -263,7 +263,7 @@ def _near(topic: str, topics: Sequence[Topic]) -> list[Topic]:
 
 
 def _similarity(one: str, other: str) -> float:
-    """Return how similar two names are: at least `SIMILAR` if the last part of one contains that of the other.
+    """Return how similar two names are: at least `SIMILAR` if the last part of one name contains that of the other.
 
     Case, ``_`` and the ``s`` of a plural are ignored.
     """

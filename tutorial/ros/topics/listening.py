@@ -1,6 +1,6 @@
 """Show the messages that arrive on a topic, with the output of ``ros2 topic echo`` and ``ros2 topic hz`` as text.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. These functions print nothing.
 """
 
 import asyncio

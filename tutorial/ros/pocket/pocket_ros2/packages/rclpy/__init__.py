@@ -92,7 +92,7 @@ def spin(node: Node, executor: Executor | None = None) -> None:
 
     Args:
         node: the node.
-        executor: the executor to use; None uses the global one.
+        executor: the executor to use; None uses the global executor.
     """
     with _running(node, executor) as running:
         running.spin()
@@ -103,7 +103,7 @@ def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: floa
 
     Args:
         node: the node.
-        executor: the executor to use; None uses the global one.
+        executor: the executor to use; None uses the global executor.
         timeout_sec: how long to wait [s]; None or a negative number waits forever.
     """
     with _running(node, executor) as running:
@@ -118,7 +118,7 @@ def spin_until_future_complete(
     Args:
         node: the node.
         future: the future.
-        executor: the executor to use; None uses the global one.
+        executor: the executor to use; None uses the global executor.
         timeout_sec: how long to wait [s]; None or a negative number waits forever.
     """
     with _running(node, executor) as running:

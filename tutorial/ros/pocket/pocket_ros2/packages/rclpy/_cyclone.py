@@ -334,9 +334,9 @@ class Participant:
         """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
         Cyclone DDS only lends the entries, so ``read`` must not store them. The reader exists only during the call,
-        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, partly
-        because cyclonedds stores the policies that it is converting in class variables. cyclonedds's ``read`` function
-        would convert the policies of all entries, and replace Ctrl-C with a different exception.
+        because deleted endpoints would accumulate in it. The lock allows one call at a time in the whole process,
+        partly because cyclonedds stores the policies that it is converting in class variables. cyclonedds's ``read``
+        function would convert the policies of all entries, and replace Ctrl-C with a different exception.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()

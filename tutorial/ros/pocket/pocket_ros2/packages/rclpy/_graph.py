@@ -99,7 +99,7 @@ class Graph:
     def listen(self) -> None:
         """Receive new announcements, and drop participants that have left: a killed process announces nothing.
 
-        The executor calls this regularly, because announcements would pile up in a program that never queries the
+        The executor calls this regularly, because announcements would accumulate in a program that never queries the
         graph. Only a query decodes them, and only the newest one of each participant.
         """
         with lock:

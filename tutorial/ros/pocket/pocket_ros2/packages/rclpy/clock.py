@@ -71,7 +71,7 @@ class Clock:
 
         Raises:
             NotInitializedException: the context is not running.
-            ValueError: the time belongs to a different type of clock.
+            ValueError: the time is from a different type of clock.
         """
         context = context or get_default_context()
         if not context.ok():

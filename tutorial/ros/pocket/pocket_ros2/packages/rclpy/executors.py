@@ -178,7 +178,7 @@ class SingleThreadedExecutor:
                 return
 
     def _run_ready(self) -> bool:
-        """Execute the first entity of this round that is ready; return False if none is."""
+        """Execute the first entity of this round that is ready; return False if no entity is ready."""
         for entity in self._ready:  # noqa: SIM110  (a generator for each round would cost more than the round)
             if entity._node in self._nodes and entity.execute():
                 return True

@@ -43,7 +43,7 @@ class Future:
         return self._cancelled
 
     def result(self) -> Any:
-        """Return the result, or None if there is none yet; raise the exception that was set instead."""
+        """Return the result, or None if there is no result yet; raise the exception that was set instead."""
         if exception := self.exception():
             raise exception
         return self._result
