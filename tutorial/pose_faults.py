@@ -42,7 +42,7 @@ class Tally:
         node: the node that logs.
 
     Attributes:
-        shown: the number of pairs shown.
+        shown: the number of shown pairs of a pose and a joint state.
         left_out: the number of messages skipped, by reason.
     """
 

@@ -230,7 +230,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         return simulated or self._ros.error or self._cameras.error or self._calls.error
 
     def forget_errors(self) -> None:
-        """Clear the note and all errors except the simulation's. Each `run` begins by calling it. Main thread only."""
+        """Clear the note and all errors except the simulation's. Each `run` starts with this call. Main thread only."""
         self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
@@ -258,7 +258,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
 
     def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Have the simulation's thread run a function. Refuse if it does not exist yet: controllers join earlier."""
+        """Have the simulation's thread run a function. Refuse until a simulation exists: controllers join earlier."""
         if self.simulation is None:
             raise RefusedError(NO_SIMULATION)
         return self.simulation.world.requests.ask(function, *args, timeout=timeout)
