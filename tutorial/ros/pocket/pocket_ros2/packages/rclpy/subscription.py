@@ -72,7 +72,7 @@ class Subscription(Endpoint):
         return self._count_matched("publisher")
 
     def execute(self) -> bool:
-        """If a message has arrived, take it and call the callback with it. Called by the executor.
+        """Take the next message if one has arrived, and call the callback with it. Called by the executor.
 
         Returns:
             Whether the callback was called.
