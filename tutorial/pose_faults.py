@@ -1,4 +1,4 @@
-"""Finds poses and joint states that a viewer cannot show, and counts the messages that are left out."""
+"""Finds poses and joint states that a viewer cannot show, and counts the messages that it skips."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def fault_of(message: JointState | TransformStamped) -> str:
 
 
 class Tally:
-    """Counts the messages that a viewer shows, and those that it leaves out.
+    """Counts the messages that a viewer shows and those that it skips.
 
     Logs the counts every five seconds, except at the start.
 
@@ -42,8 +42,8 @@ class Tally:
         node: the node that logs.
 
     Attributes:
-        shown: the number of pairs shown.
-        left_out: the number of messages left out, by reason.
+        shown: the number of shown pairs of a pose and a joint state.
+        left_out: the number of messages skipped, by reason.
     """
 
     def __init__(self, name: str, node: Node) -> None:

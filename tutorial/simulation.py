@@ -39,9 +39,9 @@ class State(Enum):
 class Simulation:
     """A world of simulated bodies and their controllers, and the thread that steps it.
 
-    `advance` steps as fast as possible on the calling thread; `start` steps in real time on a thread of its own, until
-    `stop` is called. A controller sees only the simulated copy of its body, through the `ControllerIO` that it is
-    initialized with. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
+    `advance` steps as fast as possible on the calling thread; `start` steps in real time on a separate thread, until
+    `stop` is called. A controller sees only the simulated copy of its body, through the `ControllerIO` with which it is
+    initialized. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
 
     Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
     a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:
@@ -55,16 +55,16 @@ class Simulation:
     ABANDONED  refused         never        never                never
     =========  ==============  ===========  ===================  ============================
 
-    A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, `stop` is the only method
-    of a controller that is called. If it raises when `release` calls it during a run, the run continues, and then ends
-    in FAILED.
+    A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, `stop` is the only method of
+    a controller that is called. If `stop` raises an exception when `release` calls it during a run, the run continues,
+    and then ends in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
 
     Attributes:
         world: the world; while the simulation runs, only the thread that steps it may touch it.
-        bodies, model, time_step: the world's.
+        bodies, model, time_step: those of the world.
         snapshot: the world's newest state, for other threads.
         state: the current state.
         error: the last error of a controller since the last start, or None.
@@ -102,7 +102,7 @@ class Simulation:
 
     @property
     def running(self) -> bool:
-        """Whether a thread is stepping it."""
+        """Whether a thread is stepping the simulation."""
         return self.state is State.RUNNING
 
     @property
@@ -171,8 +171,8 @@ class Simulation:
             duration: stop after this much simulated time [s]; None to run until `stop`.
 
         Raises:
-            ControllerError: one of its controllers has never returned.
-            TutorialError: it is already running.
+            ControllerError: a controller has never returned.
+            TutorialError: the simulation is already running.
         """
         with self._turn("start()"):
             self._check_idle("the simulation is already running. Call stop() first.")
@@ -193,7 +193,7 @@ class Simulation:
                 self._stop_controllers(self.world.dismiss())
 
     def release(self, body: str) -> None:
-        """Stop the controllers of a body for good. The body stays in the world, which may be running.
+        """Stop the controllers of a body permanently. The body stays in the world, which may be running.
 
         Args:
             body: the body's name.
@@ -212,7 +212,7 @@ class Simulation:
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Let one caller at a time start, stop or change something. Refuse a controller: it would wait for itself."""
+        """Let only one caller at a time start, stop or change it. Reject a controller: it would wait for itself."""
         if self._step_run.is_mine() or self._stop_run.is_mine():
             raise TutorialError(
                 f"{caller} was called by a controller, and would wait for it forever. Call it elsewhere."
@@ -253,7 +253,7 @@ class Simulation:
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
-        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, leave that to its end."""
+        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, leave the change to its end."""
         with self._state_lock:
             if error is not None and not run.abandoned:
                 self.error = error
@@ -303,7 +303,7 @@ class Simulation:
         self._end(run, failed)
 
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
-        """Step so that simulated time follows real time. The origin is fixed, so that late wake-ups don't add up."""
+        """Step so that simulated time follows real time. The origin is fixed, so that delays don't accumulate."""
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
             sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because the end of any simulation resets it

@@ -23,7 +23,7 @@ _log = logging.getLogger(__name__)
 
 
 class ControllerError(TutorialError):
-    """A controller raised an exception (this error's cause), or does not return, so the simulation stopped."""
+    """The simulation has stopped because a controller raised an exception (this error's cause) or does not return."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Run:
 
     Attributes:
         thread: the thread.
-        is_own: whether the thread belongs to the run, and ends with it.
+        is_own: whether the thread was created for the run, and ends with it.
         controller: the controller that was called last and may still be running; None while MuJoCo steps.
         laps: a counter that is incremented between steps, when no controller is running.
         stopping: set to ask the run to end.
@@ -95,7 +95,7 @@ class Run:
 class SteppedWorld:
     """Bodies in one MuJoCo world, and the controllers that move them.
 
-    Only one thread at a time may initialize or step it. Methods that call controllers take the caller's `Run`, record
+    Only one thread at a time may initialize or step it. Methods that call controllers expect the caller's `Run`, record
     in it which controller they call, and return early once the run is abandoned.
 
     Args:
@@ -106,8 +106,8 @@ class SteppedWorld:
 
     Attributes:
         model: the composed MuJoCo model.
-        data: the model's state, which belongs to the thread that steps.
-        time_step: as given.
+        data: the model's state; only the thread that steps may use it.
+        time_step: the given time step.
         bodies: the simulated bodies by name.
         requests: requests of other threads, which are carried out between two steps.
         step: the number of simulated steps.
@@ -144,7 +144,7 @@ class SteppedWorld:
         return Snapshot(self.time, self.data.qpos.copy())
 
     def initialize(self, run: Run) -> None:
-        """Initialize all controllers, unless that has been done. If one fails, stop those that were initialized.
+        """Initialize all controllers, unless they already are. If a controller fails, stop those that were initialized.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -168,7 +168,7 @@ class SteppedWorld:
         self.initialized = True
 
     def run_steps(self, run: Run, count: int) -> bool:
-        """Carry out the waiting requests, call every controller, and let MuJoCo step, ``count`` times.
+        """Take ``count`` steps: carry out the waiting requests, call every controller, and let MuJoCo step.
 
         Returns:
             True after all steps; False if the run had to end earlier.
@@ -199,12 +199,12 @@ class SteppedWorld:
         return True
 
     def dismiss(self) -> list[SimpleController]:
-        """Return the controllers, for the caller to stop. The next run initializes them again."""
+        """Return the controllers, which the caller must stop. The next run initializes them again."""
         self.initialized = False
         return [controller for controller, _ in self._controllers]
 
     def release(self, body: str) -> list[SimpleController]:
-        """Remove a body's controllers and return them, for the caller to stop."""
+        """Remove a body's controllers and return them. The caller must stop them."""
         leaving = [controller for controller, io in self._controllers if io.body.name == body]
         self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
         return leaving

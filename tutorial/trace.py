@@ -1,7 +1,7 @@
 """Records when, and on which thread, each message was received, posted and applied, to make the hand-off visible.
 
-Without a trace, a program only makes one check per message and per call. A trace keeps only the newest handoffs, so it
-can stay switched on.
+Without a trace, a program only makes one check per message and per call. A trace stores only the newest handoffs, so it
+can always remain enabled.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Moment:
 
     @classmethod
     def now(cls) -> Moment:
-        """Return this moment, on this thread."""
+        """Return the current time and thread."""
         return cls(time.perf_counter(), threading.current_thread().name)
 
 
@@ -72,7 +72,7 @@ class Handoff:
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
-        """Record that a newer call replaced this one, at the time when the newer one was posted."""
+        """Record that a newer call replaced this one, at the time when the newer call was posted."""
         self.superseded = newer.posted if newer is not None else Moment.now()
 
 
@@ -82,10 +82,10 @@ class HandoffTrace:
     Pass it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
-        capacity: how many handoffs to keep; the oldest are dropped.
+        capacity: how many handoffs to store; the oldest handoffs are dropped.
 
     Attributes:
-        handled: the number of messages whose callbacks have returned, including those that are no longer kept.
+        handled: the number of messages whose callbacks have returned, including those that are no longer stored.
     """
 
     def __init__(self, capacity: int = 200) -> None:
@@ -96,7 +96,7 @@ class HandoffTrace:
 
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
-        """Record a message's callback, which runs inside this context, and attribute the calls that it posts to it.
+        """Record a message's callback, which runs in this context, and attribute the callback's calls to the message.
 
         Args:
             topic: the message's topic.

@@ -30,7 +30,7 @@ class Placement:
         model: path of its MJCF or URDF file, or of a line's YAML file (`tutorial.model.line_file`).
         position: the position of the model's origin in the world [m], (x, y, z).
         orientation_wxyz: a unit quaternion in MuJoCo's order, (w, x, y, z).
-        without: the names of geoms in the model to leave out.
+        without: the names of the model's geoms to omit.
     """
 
     name: str
@@ -94,7 +94,7 @@ def _make_world(placements: Iterable[Placement], time_step: float | None) -> tup
 
 
 def _read(placement: Placement) -> mujoco.MjSpec:
-    """Read a model (an MJCF file, a URDF or a line), and remove the geoms to leave out."""
+    """Read a model (an MJCF file, a URDF or a line), and remove the geoms to omit."""
     path = placement.model
     try:
         str(path).encode()  # MuJoCo accepts only names in UTF-8

@@ -1,4 +1,4 @@
-"""Finds controllers in the library, which has one in each file, and in a user's file."""
+"""Finds controllers in the library, where each file contains one controller, and in a user's file."""
 
 import pkgutil
 import sys
@@ -23,7 +23,8 @@ def find_controller(name: str) -> type[SimpleController]:
     """Find one of the library's controllers by its class name.
 
     Raises:
-        TutorialError: there is no such controller, or its file fails; the error suggests a name, or gives the line.
+        TutorialError: there is no such controller, or its file raises an exception; the error suggests a name or gives
+            the line.
     """
     known = controller_names()
     if name not in known:
@@ -55,8 +56,8 @@ def load_controllers(path: Path, only: str | None = None) -> dict[str, type[Simp
         The classes by name.
 
     Raises:
-        TutorialError: the file is missing, fails, or does not define such a controller; the error gives the line, or
-            suggests the nearest name.
+        TutorialError: the file is missing, raises an exception, or does not define such a controller; the error gives
+            the line or suggests the nearest name.
     """
     if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]

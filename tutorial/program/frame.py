@@ -37,8 +37,8 @@ def _describe_error(error: BaseException | None) -> str:
 def _describe_bodies(view: View, items: Mapping[str, Item]) -> tuple[list[str], list[tuple[str, ...]]]:
     """Return a line about each body's messages, and rows with its sensors' measurements.
 
-    For more than `FEW` bodies, count the ones that follow their messages, and return a line for each of the first few
-    that don't.
+    If there are more than `FEW` bodies, count the bodies that follow their messages, and return a line for each of the
+    first few bodies that don't.
     """
     watches = [item.joints for item in items.values()]
     fleet = [watch for watch in watches if watch.meters or watch.in_order]

@@ -37,15 +37,15 @@ _log = logging.getLogger(__name__)
 class Host(AbstractAsyncContextManager["Host"]):
     """A program that runs a project: it simulates or, if the project has no simulator, only displays.
 
-    It belongs to the thread that makes it, the main thread, whose event loop must be running. Use ``async with
-    Host(project)`` in a notebook's cell, or in a coroutine that a script passes to `asyncio.run`.
+    Create and use it on the main thread, whose event loop must be running. Use ``async with Host(project)`` in a
+    notebook's cell, or in a coroutine that a script passes to `asyncio.run`.
 
     Args:
         project: the project to run.
-        ros_args: command line arguments; ROS 2 reads the ones after ``--ros-args``. The node is called ``tank`` unless
-            it is remapped.
-        view: drawn while its scene is watched; None to show nothing.
-        trace: records when each message is received, posted and applied; None to record nothing.
+        ros_args: command line arguments; ROS 2 reads those after ``--ros-args``. The node is called ``tank`` unless it
+            is remapped.
+        view: the view, which is drawn only while its scene is watched; None to show nothing.
+        trace: the trace that records when each message is received, posted and applied; None to record nothing.
 
     Attributes:
         simulation: the simulation; None for a program that only displays.
@@ -104,13 +104,14 @@ class Host(AbstractAsyncContextManager["Host"]):
         """Run the program. The event loop stays free, so posted calls run and the view is drawn meanwhile.
 
         Args:
-            duration: how long [s], in simulated time if the project simulates; None to run until cancelled.
-            linger: if the program only displays, the longest wait after the duration [s] for the publishers to leave
-                and for their messages to be applied.
-            progress: called with `seconds` once every frame.
+            duration: how long to run [s], in simulated time if the project simulates; None to run until cancelled.
+            linger: if the program only displays, the maximum time to wait after the duration until the publishers have
+                left and their messages have been applied [s].
+            progress: called with `seconds` once per frame.
 
         Raises:
-            ControllerError: a controller raised an exception, or does not return; the simulation has stopped.
+            ControllerError: a controller raised an exception or does not return; in both cases, the simulation has
+                stopped.
             TutorialError: the program is closed.
         """
         if self._closed:
@@ -133,7 +134,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             raise self.simulation.error
 
     def refresh(self) -> None:
-        """Show the changes since the last frame. `run` does this; call it yourself when no run is active."""
+        """Show the changes since the last frame. `run` calls this method; call it yourself when no run is active."""
         if self._closed:
             return
         self._neighbours.check()
@@ -166,7 +167,8 @@ class Host(AbstractAsyncContextManager["Host"]):
     def remove(self, name: str) -> None:
         """Have a body's controllers leave it, cancel their waiting calls, and remove the body from the program.
 
-        A simulated copy stays in its world. All earlier errors are cleared, because that body may have caused them.
+        If the body is simulated, its copy stays in the simulated world. All earlier errors are cleared, because that
+        body may have caused them.
 
         Raises:
             ControllerError: a controller does not return; the body is removed anyway.
@@ -223,12 +225,12 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def error(self) -> BaseException | None:
-        """The last error of the simulation, or else of a callback, a camera or a posted call, since the last start."""
+        """The last error since the last start: the simulation's, or else that of a callback, camera or posted call."""
         simulated = self.simulation.error if self.simulation is not None else None
         return simulated or self._ros.error or self._cameras.error or self._calls.error
 
     def forget_errors(self) -> None:
-        """Clear the note, and all errors but the simulation's. Each `run` begins with this. Main thread only."""
+        """Clear the note and all errors except the simulation's. Each `run` starts with this call. Main thread only."""
         self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
@@ -256,7 +258,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
 
     def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Have the simulation's thread run a function. Refuse until the simulation exists: controllers join earlier."""
+        """Have the simulation's thread run a function. Refuse until a simulation exists: controllers join earlier."""
         if self.simulation is None:
             raise RefusedError(NO_SIMULATION)
         return self.simulation.world.requests.ask(function, *args, timeout=timeout)

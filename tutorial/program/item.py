@@ -27,11 +27,11 @@ _log = logging.getLogger(__name__)
 class JointWatch:
     """Watches the joint states that move one body: counts them, and reports their faults and rival publishers.
 
-    It receives a report on every change to the body. It belongs to the main thread.
+    It receives a report on every change to the body. Main thread only.
 
     Args:
         body: the displayed body.
-        node: the node that its controllers subscribe with.
+        node: the node that the body's controllers use to subscribe.
 
     Attributes:
         meters: the meters of its joint state subscriptions.
@@ -55,7 +55,7 @@ class JointWatch:
         body.on_change(self.take)
 
     def take(self, report: JointReport | None) -> None:
-        """Process the report on one message. Ignore a change that no message caused: it has no report."""
+        """Process the report on one message. A change that no message caused has no report, and is ignored."""
         if report is None:
             return
         self.tally.update(report.counts())
@@ -77,7 +77,7 @@ class JointWatch:
     def stale(self) -> dict[str, int]:
         """Return the age of the last position of each stale joint [s]; empty before the first message.
 
-        Coupled joints are left out, because they follow other joints.
+        Coupled joints are excluded, because they follow other joints.
         """
         now, followers = time.monotonic(), self._body.followers
         silent = {joint: now - at for joint, at in self._heard.items() if joint not in followers}
@@ -97,18 +97,18 @@ class JointWatch:
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
-        """Explain why there is no report yet: no message has arrived, or none could be shown."""
+        """Explain why there is no report yet: no message has arrived, or no message could be shown."""
         topic = self.meters[0].topic
         if any(meter.count for meter in self.meters):
             return f"no message on {topic} could be shown yet"
         return f"no message on {topic} yet"
 
     def _contested(self) -> str:
-        """Name the publishers; empty if no message of a rival has arrived for a while."""
+        """Return a text that names the publishers; empty if no message from a rival has arrived for a while."""
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
     def _say_what_does_not_follow(self, report: JointReport) -> None:
-        """Warn if the first message leaves out joints whose couplings the view does not compute."""
+        """Warn if the first message does not name joints whose couplings the view does not compute."""
         missing = set(self._body.joint_names).difference(report.joints, self._body.followers)
         if missing and (kinds := not_computed(self._body.model)):
             _log.warning(
@@ -136,13 +136,13 @@ class JointWatch:
 
 
 class Item:
-    """A displayed body with its controllers. It belongs to the main thread.
+    """A displayed body with its controllers. Main thread only.
 
     Args:
         placement: the body's name and model.
         node: the node that its controllers use.
         calls: the main thread's queue of posted calls.
-        ask: has the simulation's thread run a function (see `ControllerConfig`).
+        ask: a function that has the simulation's thread call another function (see `ControllerConfig`).
 
     Attributes:
         body: the displayed body.
@@ -212,18 +212,18 @@ class Item:
 
 
 class _AskUntilClosed:
-    """A controller's `ask`. Once its scope is closed, all its requests are refused, even waiting ones."""
+    """A controller's `ask`. Once its scope is closed, all its requests are refused, even those that are waiting."""
 
     def __init__(self, scope: CallScope, ask: Ask) -> None:
         self._scope = scope
         self._ask = ask
 
     def __call__(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Request a call of the function between two steps. Executor's thread."""
+        """Request that the function be called between two steps. Runs on the executor's thread."""
         return self._ask(self._run, function, *args, timeout=timeout)
 
     def _run(self, function: Callable[..., Any], *args: object) -> Any:
-        """Call the function, unless the controller has left meanwhile. Simulation's thread."""
+        """Call the function, unless the controller has left meanwhile. Runs on the simulation's thread."""
         if self._scope.closed:
             raise RefusedError(f"{self._scope.owner} has left the program.")
         return function(*args)

@@ -57,8 +57,8 @@ class BodyItem:
     """One body of a project.
 
     Attributes:
-        placement: the model, and its position.
-        controllers: the classes of its controllers, in the order they run.
+        placement: the model and its position.
+        controllers: the classes of its controllers, in the order in which they run.
     """
 
     placement: Placement
@@ -67,7 +67,7 @@ class BodyItem:
 
 @dataclass(frozen=True)
 class Project:
-    """The bodies of one program, and its simulator.
+    """The bodies and the simulator of one program.
 
     Attributes:
         path: the project file.
@@ -105,7 +105,7 @@ class Project:
         """Return a project with a different model for the body that has the controllers.
 
         Args:
-            model: its MJCF or URDF file; the body gets the file's name, capitalised.
+            model: the MJCF or URDF file; the body gets the file's name, capitalised.
 
         Raises:
             TutorialError: no body or more than one has controllers, the model cannot be loaded, or a body cannot have
@@ -145,11 +145,11 @@ class Project:
         return self._with(swap)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Return a project that gives a body these controllers instead of the ones that the file names.
+        """Return a project in which a body has these controllers instead of those in the project file.
 
         Args:
             body: the body's name.
-            classes: the classes of its controllers, in the order they run; can be empty.
+            classes: the classes of its controllers, in the order in which they run; can be empty.
 
         Raises:
             TutorialError: there is no such body, or an argument is not a controller's class.
@@ -161,7 +161,7 @@ class Project:
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Return a project with a user's controllers in place of the ones with the same names.
+        """Return a project in which a user's controllers replace the controllers with the same names.
 
         Args:
             classes: the classes by name. Base classes of other classes can have any name.
@@ -207,13 +207,13 @@ def _origin(controller: type[SimpleController]) -> str:
 
 
 def _fleet(item: BodyItem) -> tuple[object, ...]:
-    """Return what the bodies of a fleet have in common: the name without its number, the model, the controllers."""
+    """Return the common properties of a fleet's bodies: the name without its number, the model and the controllers."""
     stem, _, number = item.placement.name.rpartition("_")
     return (stem or number, number.isdecimal(), item.placement.model, item.controllers)
 
 
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
-    """Return the body that one entry of a file describes, or each body of its fleet, by name. Errors name the line."""
+    """Return the body that one entry of a file describes, or each body of its fleet, by name. Errors give the line."""
     at = partial(file.at, "bodies", index)
     with at("name"):
         if unfit := _unfit(body.name):
@@ -242,7 +242,7 @@ def _unfit(name: str) -> str:
 
 
 def _find_model(folder: Path, given: str) -> Path:
-    """Find a model in the project's folder, and compile it once, so that an error names the project's line."""
+    """Find a model in the project's folder, and compile it now, so that an error can give the project file's line."""
     if not is_file(folder / given):
         suffix = SUFFIX if given.endswith(SUFFIX) else ".xml"
         paths = (*folder.glob(f"*{suffix}"), *folder.glob(f"*/*{suffix}"))

@@ -20,7 +20,7 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
 
     Args:
         node: its node's name.
-        seconds: how long it ran [s], in simulated time if it simulates.
+        seconds: the duration of the run [s], in simulated time if the process simulates.
         meters: the node's meters.
         items: the displayed bodies.
 
@@ -65,7 +65,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
 
 
 def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, dict[str, Any]]:
-    """Combine the meters by topic and direction: a topic's publishers count as one, and so do its subscriptions."""
+    """Combine the meters by topic and direction: a topic's publishers share an entry, and so do its subscriptions."""
     ends: defaultdict[tuple[str, str], list[TopicMeter]] = defaultdict(list)
     for meter in meters:
         ends[meter.direction, meter.topic].append(meter)

@@ -17,11 +17,11 @@ _log = logging.getLogger(__name__)
 
 @dataclass
 class SimulatedRun:
-    """A run of a simulation that was started. It is over when the simulation stops.
+    """A run of a simulation that has been started. It is over when the simulation stops.
 
     Args:
         simulation: the running simulation.
-        has_duration: whether the simulation should stop after a duration. If it hangs before that, the run stops it.
+        has_duration: whether the simulation should stop after a duration. If it hangs before then, the run stops it.
     """
 
     simulation: Simulation
@@ -30,7 +30,7 @@ class SimulatedRun:
     _still: int = 0  # frames without a step; seconds would also pass while the whole process is suspended
 
     def is_over(self) -> bool:
-        """Return whether the simulation has stopped. Call it once every frame."""
+        """Return whether the simulation has stopped. Call this method once per frame."""
         self._still = self._still + 1 if self.simulation.step == self._step else 0
         self._step = self.simulation.step
         if self.has_duration and self._still > HUNG / FRAME:
@@ -47,7 +47,8 @@ class DisplayedRun:
         node: the program's node.
         calls: the main thread's queue of posted calls.
         duration: the run's duration [s]; None for no limit.
-        linger: the longest wait after the duration [s] for the publishers to leave and the view to show their messages.
+        linger: the maximum time to wait after the duration until the publishers have left and the view has shown their
+            messages [s].
 
     Attributes:
         seconds: how long the run has taken [s].
@@ -61,7 +62,7 @@ class DisplayedRun:
     _began: float = field(default_factory=time.monotonic)
 
     def is_over(self) -> bool:
-        """Return whether the run is over. Call it once every frame."""
+        """Return whether the run is over. Call this method once per frame."""
         self.seconds = time.monotonic() - self._began
         if self.duration is None or self.seconds < self.duration:
             return False

@@ -27,8 +27,8 @@ class Result:
     Attributes:
         progress: the fraction of the line that the tank has followed, 0 to 1.
         seconds: the race's duration in simulated time [s].
-        contacts: how often the tank has touched something, apart from the floor and, with its barrel, the rail.
-        end: why the race has ended; empty while it lasts. It is `FINISHED` if the barrel has touched the rail after
+        contacts: how often the tank has touched anything except the floor; its barrel may also touch the rail.
+        end: why the race has ended; empty during the race. It is `FINISHED` if the barrel has touched the rail after
             the tank reached the end of the line.
         foul: how the race was manipulated; empty if it was fair.
         limit: the longest duration [s].
@@ -47,7 +47,7 @@ class Result:
 
         Following the line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for
         the time: 20 * (1 - seconds / limit). Each contact costs 5 points, but the score is never negative. After a
-        foul it is 0.
+        foul, the score is 0.
         """
         if self.foul:
             return 0.0
@@ -57,7 +57,7 @@ class Result:
         return max(points, 0.0)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the attributes and the score, for JSON."""
+        """Return the attributes and the score as a dictionary for JSON."""
         return {"score": round(self.score, 2), **asdict(self)}
 
     @property
@@ -68,16 +68,16 @@ class Result:
         return f"{self.foul or self.end}: {state}" if self.end else state
 
     def __str__(self) -> str:
-        """Return the state as the line below the view shows it."""
+        """Return the text that the line below the view shows."""
         return f"{self.course}, {self.score:.1f} points"
 
 
 class Race:
-    """One race, in simulated time. It belongs to the thread that steps the simulation.
+    """One race, in simulated time. Use it only on the thread that steps the simulation.
 
-    A point of the line counts once the tank's middle has come near all points before it, in order, and then near this
-    one. So progress never decreases, and shortcuts don't help, even where the line crosses itself. Progress is 0 until
-    the tank moves.
+    A point of the line counts once the tank's centre has come near all earlier points, in order, and then near this
+    point. Progress therefore never decreases, and shortcuts don't help, even where the line crosses itself. Progress is
+    0 until the tank moves.
 
     Args:
         line: the points of the line [m], from its start to its end.
@@ -97,11 +97,11 @@ class Race:
         self.result = Result(limit=limit)
 
     def update(self, seconds: float, position: tuple[float, ...], touched: Collection[str], on_rail: bool) -> None:
-        """Take the next state of the world into account.
+        """Update the result with the next state of the world.
 
         Args:
             seconds: the time since the start of the race [s].
-            position: the position of the tank's middle [m], (x, y, z).
+            position: the position of the tank's centre [m], (x, y, z).
             touched: the names of the things that the tank touches.
             on_rail: whether its barrel touches the rail.
         """
@@ -119,7 +119,7 @@ class Race:
         return bool(self.result.end)
 
     def disqualify(self, foul: str) -> None:
-        """End the race without points; if it is already over, take its points away. Only the first foul is reported."""
+        """End the race without points; if it is already over, set its score to 0. Only the first foul is reported."""
         self.result = replace(self.result, end=FOUL, foul=self.result.foul or foul)
 
     def _jump(self, seconds: float, position: tuple[float, ...]) -> str:
@@ -131,7 +131,7 @@ class Race:
         return f"the tank has jumped {distance:.2f} m" if distance > FASTEST * (seconds - before[0]) else ""
 
     def _advance(self, seconds: float, position: tuple[float, ...]) -> float:
-        """Count the points of the line that the tank has come near, and return its progress."""
+        """Count the points of the line that the tank has come near, and return the tank's progress."""
         while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
             self._next += 1
             self._advanced_at = seconds
@@ -141,7 +141,7 @@ class Race:
         return (self._next - self._first) / ahead if ahead else 1.0
 
     def _end(self, state: Result, on_rail: bool) -> str:
-        """Return why the race ends in this state; empty if it continues. A foul outranks every other end."""
+        """Return why the race ends in this state; empty if it continues. A foul always takes precedence."""
         if state.foul:
             return FOUL
         if on_rail and state.progress == 1.0:

@@ -1,4 +1,4 @@
-"""Choose a ROS 2: a real one if Python finds it or the user requests it, otherwise the pocket ROS 2."""
+"""Choose the ROS 2 to use: a real ROS 2 if Python finds one or the user requests one, otherwise the pocket ROS 2."""
 
 import os
 import sys
@@ -19,11 +19,11 @@ VARIABLE = "TUTORIAL_ROS"
 
 @cache
 def ros_backend() -> Backend:
-    """Return which ROS 2 this process uses: ``"rclpy"`` (a real one) or ``"pocket"`` (the one in this package).
+    """Return which ROS 2 this process uses: ``"rclpy"`` (a real ROS 2) or ``"pocket"`` (the pocket ROS 2).
 
-    The first call decides, and makes rclpy and the message packages importable. A sourced ROS 2 takes precedence.
-    Without one, ``TUTORIAL_ROS=rclpy`` selects the ROS 2 that ``tank ros install`` has installed. If the variable is
-    unset, the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` always selects the pocket ROS 2.
+    The first call chooses the ROS 2, and makes rclpy and the message packages importable. A sourced ROS 2 takes
+    precedence. If there is none, ``TUTORIAL_ROS=rclpy`` selects the ROS 2 that ``tank ros install`` has installed. If
+    the variable is unset, the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` always selects the pocket ROS 2.
 
     Raises:
         TutorialError: ``TUTORIAL_ROS`` has an invalid value, or the requested ROS 2 cannot be used.
@@ -32,7 +32,7 @@ def ros_backend() -> Backend:
 
 
 def use_real_ros() -> None:
-    """Use a real ROS 2 here and in child processes: a sourced one, or the one that ``tank ros install`` has installed.
+    """Use a real ROS 2 here and in child processes: a sourced ROS 2, or the ROS 2 installed by ``tank ros install``.
 
     Call it before importing anything from ROS 2, in the first cell of a notebook::
 
@@ -49,7 +49,7 @@ def use_real_ros() -> None:
 
 
 def real_ros_needed(what: str) -> TutorialError:
-    """Return an error that says what needs a real ROS 2, and how to get and use one.
+    """Return an error that names what needs a real ROS 2, and explains how to get and use a real ROS 2.
 
     Args:
         what: the subject of the sentence, such as ``"TankServer"``.
@@ -63,7 +63,7 @@ def need_real_ros(what: str) -> None:
     """Raise the error of `real_ros_needed` if this process uses the pocket ROS 2.
 
     Raises:
-        TutorialError: it does.
+        TutorialError: this process uses the pocket ROS 2.
     """
     if ros_backend() == "pocket":
         raise real_ros_needed(what)
@@ -101,7 +101,7 @@ def _require_backend(module: str) -> None:
 
 
 def _choose(wanted: str) -> Backend:
-    """Select an rclpy by the value of ``TUTORIAL_ROS``, and make it importable.
+    """Select an rclpy according to the value of ``TUTORIAL_ROS``, and make it importable.
 
     Raises:
         TutorialError: the value is invalid, or the selected ROS 2 cannot be used.

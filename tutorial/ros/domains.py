@@ -1,4 +1,4 @@
-"""Reserve a ROS domain, so that programs running side by side don't receive each other's messages."""
+"""Reserve a ROS domain, so that programs that run at the same time don't receive each other's messages."""
 
 import random
 import socket
@@ -20,7 +20,7 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved.
 
     DDS uses the domain's first port for UDP. This function binds the same TCP port without listening; the port is
-    released when the process ends, if not before. Containers with separate networks can reserve the same ID without
+    released when the process ends, at the latest. Containers with separate networks can reserve the same ID without
     conflict.
 
     Args:

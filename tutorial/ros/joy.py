@@ -1,4 +1,4 @@
-"""Make joystick messages: `sensor_msgs/Joy`, like those of the ROS 2 joy package's ``game_controller_node``."""
+"""Make joystick messages (`sensor_msgs/Joy`) like those of the ROS 2 joy package's ``game_controller_node``."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ def joy_message(node: Node, axes: Sequence[float], buttons: Sequence[int]) -> Jo
     """Make a joystick message stamped with the current time.
 
     Args:
-        node: the node whose clock gives the time.
+        node: the node whose clock provides the time.
         axes: positions of the joystick's axes, -1 to 1.
         buttons: states of the joystick's buttons, 0 or 1.
     """

@@ -49,9 +49,9 @@ class TopicMeter:
         raw: whether messages are received as bytes, to be forwarded or stored.
 
     Attributes:
-        topic, direction, raw: as given.
+        topic, direction, raw: the given values.
         type_name: the topic's type, such as ``sensor_msgs/msg/Joy``.
-        count: number of messages so far.
+        count: number of messages counted so far.
         last: the newest message.
     """
 
@@ -104,12 +104,12 @@ class TopicMeter:
 
 
 class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
-    """A node that counts the messages on its topics, and otherwise behaves like rclpy's node.
+    """A node that counts the messages on its topics but otherwise behaves like rclpy's node.
 
     Messages are not counted if their callback is a coroutine function, which rclpy awaits.
 
     Attributes:
-        meters: one for each publisher and subscription, in order of creation.
+        meters: a meter for each publisher and subscription, in order of creation.
     """
 
     def __init__(self, *args: Any, trace: HandoffTrace | None = None, **kwargs: Any) -> None:
@@ -145,7 +145,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         return endpoint
 
     def _received(self, meter: TopicMeter, call: Call, message: Any, info: dict[str, int]) -> None:
-        """Count a message, call the callback, and record how long that took if there is a trace."""
+        """Count a message, call the callback, and record how long the callback took if there is a trace."""
         meter.add(message, time.time_ns() - info["source_timestamp"])
         with self._trace.receiving(meter.topic) if self._trace is not None else nullcontext():
             call(message, info)
@@ -155,7 +155,7 @@ def _called_by_rclpy(callback: Callable[..., Any]) -> Call | None:
     """Return a function that calls a callback as rclpy does: with one argument if possible, otherwise with two.
 
     Returns:
-        None for a callback that rclpy has to handle itself: a coroutine function, or one that it refuses.
+        None for a callback that rclpy has to handle itself: a coroutine function, or a callback that rclpy rejects.
     """
     if not inspect.iscoroutinefunction(callback):
         with suppress(TypeError, ValueError):
@@ -173,7 +173,7 @@ class SpinThread(Generic[AnyNode]):
     Args:
         node_class: the node's class.
         name: the node's name, unless it is remapped.
-        args: command line arguments; ROS 2 uses the ones after ``--ros-args``.
+        args: command line arguments; ROS 2 uses those after ``--ros-args``.
         executor: the class of the executor.
 
     Attributes:
@@ -229,7 +229,7 @@ class SpinThread(Generic[AnyNode]):
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Keep callbacks from running in this context, except one that does not return in time."""
+        """Prevent callbacks from running in this context, except for a callback that does not return in time."""
         self._is_stuck = True
         self._unpaused.clear()
         try:
@@ -243,8 +243,8 @@ class SpinThread(Generic[AnyNode]):
     def close(self) -> None:
         """Stop the thread, then shut down the executor, destroy the node and shut down the context. Idempotent.
 
-        If a callback does not return in time, don't wait for it: the node is destroyed when it returns, or disappears
-        when the process ends.
+        If a callback does not return in time, don't wait for it: the node is destroyed when the callback returns, or
+        disappears when the process ends.
         """
         if self not in self.alive:
             return
@@ -269,8 +269,8 @@ class SpinThread(Generic[AnyNode]):
     def failed(self, error: BaseException) -> None:
         """Store and log an exception that a callback raised; other callbacks continue. Called on the node's thread.
 
-        A repeated failure is logged only now and then, with a count: messages that no callback can handle may arrive
-        a thousand times per second.
+        A repeated failure is logged only occasionally, with a count: messages that no callback can handle may arrive a
+        thousand times per second.
         """
         self.error = error
         failure, now = traceback.format_exception_only(error), time.monotonic()
@@ -299,15 +299,15 @@ def _met_what_is_destroyed(error: BaseException) -> bool:
     """Return whether a spin failed before any callback because rclpy tried to wait for a destroyed entity.
 
     A single failure is harmless: another thread called ``node.destroy_publisher`` after rclpy had listed the node's
-    entities and before it waited for them. Repeated failures mean that an entity's own ``destroy`` was called, so that
-    the node still lists it.
+    entities and before it waited for them. Repeated failures mean that an entity's ``destroy`` method was called, so
+    the node still lists the entity.
     """
     frames = traceback.walk_tb(error.__traceback__)
     return isinstance(error, InvalidHandle) and any(f.f_code.co_name == "add_to_wait_set" for f, _ in frames)
 
 
 class NodeThread(SpinThread[MeteredNode]):
-    """A `MeteredNode` on its own thread; takes the arguments of both classes."""
+    """A `MeteredNode` on its own thread; accepts the arguments of both classes."""
 
     def __init__(self, name: str, args: Sequence[str] | None = None, trace: HandoffTrace | None = None) -> None:
         super().__init__(partial(MeteredNode, trace=trace), name, args)

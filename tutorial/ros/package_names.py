@@ -14,7 +14,7 @@ def check_package_name(name: str) -> None:
     """Check a name for a new package: it must follow REP 144, and no Python module may have the same name.
 
     Raises:
-        TutorialError: the package cannot have this name; the error suggests one.
+        TutorialError: the package cannot have this name; the error suggests another name.
     """
     if not VALID.fullmatch(name):
         rule = "Use at least two characters: lowercase letters, digits and single underscores, starting with a letter."

@@ -1,6 +1,6 @@
-"""List, read and set the parameters of other nodes, with the output of ``ros2 param``. This needs a real ROS 2.
+"""List, read and set the parameters of other nodes, with the output of ``ros2 param``. Requires a real ROS 2.
 
-The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). Nothing here prints.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ async def param_list(node: Node, target: str | None = None) -> str:
         target: the name of the node that has the parameters; None for all nodes.
 
     Raises:
-        TutorialError: there is no such node, or this is the pocket ROS 2.
+        TutorialError: there is no such node, or this process uses the pocket ROS 2.
     """
     if target is not None:
         return _indented(await _names(node, await _find(node, target)))
@@ -70,7 +70,7 @@ async def param_get(node: Node, target: str, name: str) -> str:
         name: the parameter's name.
 
     Raises:
-        TutorialError: there is no such node or parameter, or this is the pocket ROS 2.
+        TutorialError: there is no such node or parameter, or this process uses the pocket ROS 2.
     """
     response = await _ask(node, await _find(node, target), "get_parameters", names=[name])
     if not response.values:
@@ -92,7 +92,7 @@ async def param_set(node: Node, target: str, name: str, value: str) -> tuple[boo
         Whether the node accepted the value, and the text that ``ros2 param set`` prints.
 
     Raises:
-        TutorialError: there is no such node, the value is not valid YAML, or this is the pocket ROS 2.
+        TutorialError: there is no such node, the value is not valid YAML, or this process uses the pocket ROS 2.
     """
     found = await _find(node, target)
     response = await _ask(node, found, "set_parameters", parameters=[Parameter(name=name, value=_value(value))])
@@ -110,7 +110,7 @@ async def param_describe(node: Node, target: str, names: Sequence[str]) -> str:
         names: the parameters' names.
 
     Raises:
-        TutorialError: there is no such node, or this is the pocket ROS 2.
+        TutorialError: there is no such node, or this process uses the pocket ROS 2.
     """
     response = await _ask(node, await _find(node, target), "describe_parameters", names=list(names))
     return "".join(map(_description, response.descriptors))
@@ -124,7 +124,7 @@ async def param_dump(node: Node, target: str) -> str:
         target: the name of the node that has the parameters.
 
     Raises:
-        TutorialError: there is no such node, or this is the pocket ROS 2.
+        TutorialError: there is no such node, or this process uses the pocket ROS 2.
     """
     found = await _find(node, target)
     names = await _names(node, found)
@@ -143,7 +143,7 @@ async def _find(node: Node, target: str) -> str:
     """Return a node's full name; wait briefly for the node.
 
     Raises:
-        TutorialError: there is no such node, or this is the pocket ROS 2.
+        TutorialError: there is no such node, or this process uses the pocket ROS 2.
     """
     need_real_ros("Another node's parameter")
     name = target if target.startswith("/") else f"/{target}"

@@ -1,6 +1,6 @@
-"""List and call services, as ``ros2 service list``, ``type`` and ``call`` do. This needs a real ROS 2.
+"""List and call services, as ``ros2 service list``, ``type`` and ``call`` do. Requires a real ROS 2.
 
-The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). Nothing here prints.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
 """
 
 import asyncio
@@ -38,7 +38,7 @@ async def service_list(node: Node, show_types: bool = False) -> str:
         One line for each service.
 
     Raises:
-        TutorialError: this is the pocket ROS 2.
+        TutorialError: this process uses the pocket ROS 2.
     """
     need_real_ros("A service")
     await wait_for_graph(node)
@@ -57,7 +57,7 @@ async def service_type(node: Node, service: str) -> str:
         service: its full name.
 
     Raises:
-        TutorialError: there is no such service, or this is the pocket ROS 2.
+        TutorialError: there is no such service, or this process uses the pocket ROS 2.
     """
     need_real_ros("A service")
     await wait_for_graph(node, lambda: service in services_with_types(node))
@@ -70,21 +70,21 @@ async def service_type(node: Node, service: str) -> str:
 async def service_call(
     node: Node, service: str, type_name: str, values: str = "{}", timeout: float = inf
 ) -> AsyncGenerator[str, None]:
-    """Call a service, like ``ros2 service call``. If it is not available yet, wait for it.
+    """Call a service, like ``ros2 service call``. If the service is not available yet, wait for it.
 
     Args:
         node: the node that calls the service; it must be spinning on another thread.
         service: the service's name.
         type_name: its type, such as ``"std_srvs/srv/Trigger"``.
         values: the fields of the request in YAML.
-        timeout: the longest wait [s] for the service, and then for its response.
+        timeout: the maximum wait for the service, and then for its response [s].
 
     Yields:
         The text that ``ros2 service call`` prints, in parts.
 
     Raises:
         TutorialError: the type or a value is invalid (the error text is the same as in ``ros2``), the time is up, or
-            this is the pocket ROS 2.
+            this process uses the pocket ROS 2.
     """
     need_real_ros("A service")
     kind = service_class(type_name)

@@ -1,6 +1,6 @@
 """A node that records when its callbacks run, and a watchdog for callbacks that wait for themselves.
 
-It needs a real ROS 2: the pocket one has no services.
+It requires a real ROS 2, because the pocket ROS 2 has no services.
 """
 
 from __future__ import annotations
@@ -40,8 +40,9 @@ class Span:
         group: the callback's group.
         kind: ``"runs"``, ``"call()"`` while its thread waits in `call`, or ``"await"`` while it awaits a response.
         thread: the thread's name.
-        client, future: what sent the callback's last request, and the future response; None if there is none.
-        began, ended: from `time.perf_counter` [s]; `ended` is None until then.
+        client, future: the client that sent the callback's last request, and the future response; None without a
+            request.
+        began, ended: from `time.perf_counter` [s]; `ended` is None until the span ends.
     """
 
     label: str
@@ -89,7 +90,7 @@ class WatchedNode(MeteredNode):
         return client
 
     def deadlocks(self) -> dict[Span, str]:
-        """Return the waits for responses that nobody can receive, and why that is so."""
+        """Return the waits for responses that nobody can receive, each with the reason."""
         waits = [span for span in [*self.spans] if span.kind != "runs" and span.ended is None and span.future]
         return {span: text for span in waits if (text := self._explain(span))}
 
@@ -100,7 +101,7 @@ class WatchedNode(MeteredNode):
             wait.future.set_exception(DeadlockError(text))
 
     def _explain(self, wait: Span) -> str:
-        """Name both ends of a wait for a response that nobody can receive; return an empty string if somebody can."""
+        """Explain why nobody can receive the response that a callback awaits; return "" if somebody can receive it."""
         group, doing = wait.client.callback_group, {"call()": "waits in call() for"}.get(wait.kind, "awaits")
         waits = f"{wait.label} {doing} the response of {wait.client.srv_name}"
         if wait.kind == "call()" and isinstance(self.executor, SingleThreadedExecutor):
@@ -130,7 +131,7 @@ class WatchedNode(MeteredNode):
 
     @types.coroutine
     def _steps(self, span: Callable[..., Span], coroutine: Any) -> Generator[Any, Any, Any]:
-        """Run a coroutine, and record its steps, and how long it awaits a response between them.
+        """Run a coroutine; record its steps, and how long it awaits responses between them.
 
         While it awaits, the executor resumes it again and again. These steps are not recorded.
         """

@@ -1,8 +1,8 @@
 """Starts a command that ends when its parent does, even if the parent is killed: ``python parent_watch.py COMMAND...``.
 
-This process watches standard input: when the other end closes, because the parent is gone, it asks the command to
-stop, and kills it if it doesn't. The command and this process form one process group, so a signal reaches both. The
-command itself handles the signals that ask it to stop.
+This process watches standard input: when the other end closes because the parent has ended, it asks the command to
+stop, and kills it if it keeps running. The command and this process form one process group, so a signal reaches both.
+The command itself handles the signals that ask it to stop.
 
 This file imports only the standard library and is run by its path, so it starts quickly.
 """
@@ -51,7 +51,7 @@ def start_watched(
         folder: its working directory; None for the current directory.
 
     Raises:
-        OSError, TypeError, ValueError: it cannot be started with these arguments.
+        OSError, TypeError, ValueError: the command cannot be started with these arguments.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)  # the child inherits this mask, and resets it
     try:

@@ -1,9 +1,9 @@
 """Finds the tutorial's files: projects, launch files, notebooks, drives, models.
 
-A folder that holds them is a *course folder*. There are three kinds: a checkout; the folder in an installed package,
-which is never written to; and a learner's copy of that folder, made by ``tank lab``. A process chooses one when it
-starts: the nearest course folder from the current directory upwards; else the checkout that contains the package; else
-the folder in the package.
+A folder that contains them is a *course folder*. There are three kinds of course folders: a checkout; the folder in an
+installed package, which is never written to; and a learner's copy of that folder, made by ``tank lab``. A process
+chooses its course folder when it starts: the nearest course folder from the current directory upwards; else the
+checkout that contains the package; else the folder in the package.
 """
 
 import os
@@ -29,12 +29,12 @@ SHIPPED = PACKAGE / "_files"
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a path, even one that a user typed, is a file; False if it is too long or malformed."""
+    """Return whether a path, even if typed by a user, is a file; False if the path is too long or malformed."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for an invalid path
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a path, even one that a user typed, is a folder."""
+    """Return whether a path, even if typed by a user, is a folder."""
     return os.path.isdir(path)  # noqa: PTH112 - pathlib raises an error for an invalid path
 
 

@@ -1,4 +1,4 @@
-"""Turns a scene's messages over time into a single message: all objects, and an animation that moves them.
+"""Turns a scene's messages over time into a single message that contains all objects and an animation of them.
 
 In meshcat, an animation holds timed poses of each object that moves.
 """
@@ -69,13 +69,13 @@ class Animation:
                 self._scene.send_message(command)
 
     def _see(self, path: str, there: bool) -> None:
-        """Record when an object appears or disappears: bodies can come and go during a run."""
+        """Record when an object appears or disappears: bodies can be added and removed during a run."""
         track = self._sights.setdefault(path, _Track([0.0], [self._now == 0.0]))
         if track.values[-1] != there:
             track.add(self._now, there)
 
     def _move(self, command: dict[str, Any]) -> None:
-        """Record an object's pose. Poses are interpolated, so a pause needs one at its start and one at its end."""
+        """Record an object's pose. Poses are interpolated, so a pause needs a pose at its start and at its end."""
         matrix = np.array(command["matrix"], dtype=np.float64)
         if not np.isfinite(matrix).all():
             return
@@ -90,7 +90,7 @@ class Animation:
 
 @dataclass
 class _Track:
-    """One object's poses or visibility: times [s], and the value at each."""
+    """One object's poses or visibility: times [s], and the value at each time."""
 
     times: list[float]
     values: list[Any]

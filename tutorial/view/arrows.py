@@ -33,7 +33,7 @@ class Style:
         legend: a description of the arrow.
         colour: as 0xRRGGBB.
         scale: the arrow's length [m] per unit.
-        threshold: the smallest value that gets an arrow, in the unit.
+        threshold: the smallest value for which an arrow is drawn, in the unit.
         offset: the height of the arrow's start above the sensor [m].
     """
 
@@ -81,9 +81,9 @@ class Arrow:
         self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
-        """Aim at the measured vector, from the sensor's current position.
+        """Aim along the measured vector, from the sensor's current position.
 
-        Three zeros count as no measurement, because an accelerometer at rest measures 9.8. No arrow is
+        Three zeros mean that there is no measurement yet, because an accelerometer at rest measures 9.8. No arrow is
         drawn if a number is not finite.
         """
         self._measured = data.sensordata[self._adr : self._adr + 3].copy()

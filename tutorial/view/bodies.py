@@ -97,12 +97,12 @@ class View:
         self.update(name, data)
 
     def update(self, name: str, data: mujoco.MjData) -> None:
-        """Draw the MuJoCo bodies in their current poses. Bodies that have not moved cost next to nothing.
+        """Draw the MuJoCo bodies in their current poses. Bodies that have not moved need almost no time.
 
-        Arrows show what the inertial sensors have measured, slightly smoothed between one `flush` and the next.
+        Arrows show the measurements of the inertial sensors, slightly smoothed between one `flush` and the next.
 
         Args:
-            name: as given to `add`.
+            name: the name given to `add`.
             data: data of the same model, with the bodies' poses computed (``mj_step``, ``mj_forward`` or
                 ``mj_kinematics``).
 
@@ -118,7 +118,7 @@ class View:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Return what a body's arrows show as rows of numbers, without sensors that have not measured anything yet.
+        """Return the values of a body's arrows as rows of numbers, without sensors that have not measured anything yet.
 
         Returns:
             Rows of body, quantity, x, y, z, unit and legend.
@@ -126,10 +126,10 @@ class View:
         return [(name, *reading) for arrow in self._bodies[name].arrows if (reading := arrow.reading())]
 
     def show_stale(self, name: str, joints: Collection[str]) -> None:
-        """Draw the parts that stale joints move in grey, and everything else in its own colours.
+        """Draw the parts that stale joints move in grey, and all other parts in their normal colours.
 
         Args:
-            name: as given to `add`.
+            name: the name given to `add`.
             joints: the stale joints, which have had no recent message. In the model they are called ``name/joint``.
 
         Raises:

@@ -43,10 +43,11 @@ class Camera:
 
         This call only copies the state. The renderer's thread renders the picture and calls ``deliver``. Pixels have
         the shape (height, width, 3), with red, green and blue from 0 to 255, and the top row first. A new request
-        replaces one that has not been rendered yet.
+        replaces a request that has not been rendered yet.
 
         Call it on the thread that steps the simulation. If that thread also made the renderer (lockstep), this call
-        waits until the picture has been delivered, so that none is lost, and raises any exception from ``deliver``.
+        waits until the picture has been delivered, so that no picture is lost, and raises any exception from
+        ``deliver``.
 
         Raises:
             TutorialError: in lockstep, the picture did not arrive in time.
@@ -74,8 +75,8 @@ class _Request:
 class CameraRenderer:
     """Renders the cameras of one simulated world, on a thread that starts with the first picture.
 
-    Each picture is rendered from a copy of the state, so the simulation continues during rendering. If rendering
-    fails, one log line reports it, and no pictures are delivered.
+    Each picture is rendered from a copy of the state, so the simulation continues during rendering. If rendering fails,
+    one log line reports the error, and no pictures are delivered.
 
     Attributes:
         error: the last exception that a receiver of pictures raised, or None.
@@ -142,7 +143,7 @@ class CameraRenderer:
                 _log.error("a receiver of pictures does not return; its thread will end with the process")
 
     def _main(self, model: mujoco.MjModel) -> None:
-        """Run the renderer's thread, the only one that uses OpenGL."""
+        """Run the renderer's thread, the only thread that uses OpenGL."""
         try:
             with Offscreen(model) as offscreen:
                 atexit.register(self.close)  # runs before OpenGL's own exit handler, which was registered earlier

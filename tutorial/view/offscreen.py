@@ -19,7 +19,7 @@ Pixels = NDArray[np.uint8]
 
 
 class Offscreen(AbstractContextManager["Offscreen"]):
-    """An off-screen OpenGL context for pictures of one model. It belongs to the thread that makes it.
+    """An off-screen OpenGL context for pictures of one model. Use it only on the thread that makes it.
 
     Args:
         model: the model to render. The context uses a copy without shadows or antialiasing, which are expensive.
@@ -49,7 +49,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         self._gl.free()
 
     def render(self, qpos: NDArray[np.float64], camera: int, width: int, height: int) -> Pixels:
-        """Render what a camera sees.
+        """Render the picture of a camera.
 
         Args:
             qpos: the positions, shape (nq,).
@@ -72,7 +72,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
 
 def advice() -> str:
-    """Return advice on how to make rendering work, as a sentence without its full stop."""
+    """Return advice on how to make rendering work, as a sentence without the full stop."""
     return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
 
 

@@ -13,7 +13,7 @@ STALE = [0.72, 0.73, 0.75]
 class Paint:
     """The colours of one model's geoms, by the joints that move them.
 
-    A geom is moved by the joints of its MuJoCo body or, if it has none, of the nearest parent with joints.
+    A geom is moved by the joints of its MuJoCo body or, if that body has none, of the nearest parent with joints.
 
     Args:
         name: the drawn body's name. Its joints are called ``name/joint`` in the model.

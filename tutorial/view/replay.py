@@ -1,4 +1,4 @@
-"""Records what a scene shows during a run, as a page that replays it in any browser without other files.
+"""Records a scene during a run as a page, which replays the run in any browser without other files.
 
 During the run, the scene's messages become an animation (`tutorial.view.animation`). Afterwards, the animation becomes
 a page.
@@ -90,7 +90,7 @@ def style() -> str:
 
 
 class ReplayRecorder:
-    """Records what a scene shows, and when. Use it on the scene's thread.
+    """Records the changes of a scene over time. Use it on the scene's thread.
 
     Args:
         scene: the scene to record, from now on.
@@ -149,7 +149,7 @@ def recorded(
     joints: Callable[[], Mapping[str, float]] = dict,
     longest_pause: float = math.inf,
 ) -> Iterator[None]:
-    """Record what a scene shows during a ``with`` block, and write it as a page.
+    """Record a scene during a ``with`` block, and write the recording as a page.
 
     Args:
         scene: the scene to record.

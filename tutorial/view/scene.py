@@ -1,4 +1,4 @@
-"""The scene: it keeps everything that was drawn, so that views opened later can show it.
+"""The scene: it stores everything that was drawn, so that views opened later can show it.
 
 A scene accepts meshcat's commands. It depends on neither a server nor a notebook: it passes bytes to the attached
 sinks, and ``static/scene.js`` feeds them to meshcat's viewer in the browser.
@@ -80,14 +80,14 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 
 
 class Scene:
-    """Keeps everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
+    """Stores everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
 
-    Use it on the thread that made it. Its size does not grow with time: it keeps only the latest value of each object,
+    Use it on the thread that made it. Its size does not grow with time: it stores only the latest value of each object,
     transform and property, in the order of the last change, because nothing else affects the picture. A viewer's
     built-in objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
-        catch_up: draws what was skipped while no sink was attached.
+        catch_up: draws the changes that were skipped while no sink was attached.
     """
 
     def __init__(self) -> None:
@@ -99,7 +99,7 @@ class Scene:
 
     @property
     def watched(self) -> bool:
-        """Whether a sink is attached. Without one, nothing needs to be drawn, because `snapshot` catches up."""
+        """Whether a sink is attached. Without a sink, nothing needs to be drawn, because `snapshot` catches up."""
         return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:
@@ -137,7 +137,7 @@ class Scene:
         self._put(LINE, pack_record(Record.LINE, "\n".join(lines).encode("utf-8", "replace")))
 
     def look_at(self, position: Vector, target: Vector) -> None:
-        """Place the camera. A view that the user has turned stays that way until the next call.
+        """Place the camera. If the user has turned a view, that view does not change until the next call.
 
         Args:
             position: the camera's position [m].

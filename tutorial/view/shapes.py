@@ -83,7 +83,8 @@ def draw_arrow(uuid: str, colour: int) -> Json:
 def draw_axes(uuid: str, name: str, length: float, place: Matrix, label: tuple[float, float, float]) -> Json:
     """Return a frame's axes as the object of a ``set_object`` command: x red, y green and z blue, as in rviz2.
 
-    Nothing hides them. The letters of the frame's name look equally large at any distance.
+    They are visible through all other objects. The letters of the frame's name have the same apparent size at any
+    distance.
 
     Args:
         uuid: a unique name for the object.

@@ -1,7 +1,7 @@
 """Serves the 3D view to browsers on this machine, for programs outside Jupyter.
 
-The server has no thread or process of its own. It runs on the main thread's event loop, so it ends with the program,
-however the program ends.
+The server has no separate thread or process. It runs on the main thread's event loop, so it ends with the program,
+regardless of how the program ends.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ class _Browser(WebSocketHandler):
         self.scene.attach(self.show)
 
     def on_message(self, message: str | bytes) -> None:
-        """Ignore the message: the page never sends any."""
+        """Ignore the message: the page never sends messages."""
 
     def on_close(self) -> None:
         self.browsers.discard(self)
@@ -157,7 +157,7 @@ class _Browser(WebSocketHandler):
             self._send(message)
 
     def leave(self) -> None:
-        """Close the connection, even if the browser does not answer."""
+        """Close the connection, even if the browser does not respond."""
         self.on_close()
         stream = self._stream
         self.close(1001, "the program has ended")

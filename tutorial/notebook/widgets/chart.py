@@ -1,4 +1,4 @@
-"""Plots: two axes with round numbers, the curves, and a legend beside them."""
+"""Plots: two axes with round numbers, the curves, and a legend below them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -44,8 +44,8 @@ def draw_plot(
         curves: the curves by name.
         x_range: the smallest and the largest x to show.
         labels: the labels of the x and y axes.
-        least: the smallest range of y to show.
-        more: the number of curves that are omitted.
+        least: the minimum height of the visible range of y.
+        more: the number of curves that are not drawn.
     """
     heights = [y for curve in curves.values() for _, y in curve.points if math.isfinite(y)]
     low, high = min(heights), max(heights)
@@ -77,7 +77,7 @@ class _Axes(NamedTuple):
         svg.write(root, LEFT - 6, TOP - 14, labels[1], SMALL, "end")
 
     def draw_curve(self, root: Element, points: Sequence[Point], colour: str) -> None:
-        """Draw each piece of a curve; a piece of one point becomes a dot."""
+        """Draw each uninterrupted piece of a curve; draw a single point as a dot."""
         pieces = [[*piece] for is_finite, piece in groupby(points, lambda point: math.isfinite(point[1])) if is_finite]
         for piece in pieces[-MOST_PIECES:]:
             places = [self._place(point) for point in thin(piece, max(2, POINTS_DRAWN // len(pieces)))]

@@ -6,7 +6,7 @@ from ipywidgets import Layout, VBox, Widget
 
 
 class Column(VBox):  # type: ignore[misc]
-    """Stacks widgets, narrow enough to fit beside a view.
+    """Stacks widgets in a column that is narrow enough to fit beside a view.
 
     Args:
         widgets: the widgets to show.

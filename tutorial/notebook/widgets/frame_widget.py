@@ -1,9 +1,9 @@
 """A widget that sends frames to the views on pages, and the protocol between them.
 
-A view sends ``hello``, and receives the ``whole`` content. From then on it receives every numbered ``frame``, and
-reports the last one that it has ``seen``. The widget stops sending when a view falls too far behind because its page is
-slow, asleep or closed; once that view reports a frame as seen, it receives the whole content again. A view also sends
-``here`` once a minute, even without frames.
+A view sends ``hello`` and receives the ``whole`` content. From then on, it receives every numbered ``frame`` and
+reports the last frame that it has ``seen``. The widget stops sending when a view falls too far behind because its page
+is slow, asleep or closed; once that view reports a frame as seen, it receives the whole content again. A view also
+sends ``here`` once a minute, even without frames.
 """
 
 import threading
@@ -35,7 +35,7 @@ class FrameWidget(CellWidget):
         title: the title of the content, also for the ``repr``.
 
     Attributes:
-        AHEAD: how many frames a view may be behind.
+        AHEAD: the maximum number of frames that a view may lag behind.
         calls: the queue that callbacks on any thread post to.
         frame: the number of the last frame sent.
 
@@ -62,7 +62,7 @@ class FrameWidget(CellWidget):
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> bool:
-        """Send a frame if any view keeps up, and return whether any does. Main thread only.
+        """Send a frame and return True, or return False if no view keeps up. Main thread only.
 
         Args:
             content: the binary content.
@@ -77,7 +77,7 @@ class FrameWidget(CellWidget):
         return True
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
-        """Handle a page's message. It can arrive on any thread, so this method posts work for the main thread."""
+        """Handle a page's message. Messages can arrive on any thread, so this method posts work to the main thread."""
         CellWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):
@@ -96,7 +96,7 @@ class FrameWidget(CellWidget):
             return view in self._seen
 
     def _welcome(self, view: str) -> None:
-        """Send one view the whole content, and every frame from now on. Main thread only."""
+        """Send one view the whole content, and regard it as up to date. Main thread only."""
         content, fields = self.whole()
         with self._lock:
             self._seen[view] = self.frame - 1

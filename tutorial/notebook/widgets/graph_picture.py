@@ -40,7 +40,7 @@ def picture(topology: Topology) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class _Shape:
-    """An ellipse with a node's name, or a box with a topic's name, and a small note below the name.
+    """An ellipse with a node's name or a box with a topic's name, and an optional small note below the name.
 
     Nodes with the same name share an ellipse, whose note gives their number.
     """
@@ -99,7 +99,7 @@ def _edges(topology: Topology) -> list[Edge]:
 
 
 def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout) -> None:
-    """Draw an arrow from shape to shape through the edge's lanes. It starts and ends horizontally."""
+    """Draw an arrow between two shapes through the edge's lanes. It starts and ends horizontally."""
     (x1, y1), (x2, y2) = (layout.places[end] for end in edge)
     sign = 1 if x1 < x2 else -1
     dy = TWIN if sign < 0 else 0.0
@@ -113,7 +113,7 @@ def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layou
 
 
 def _curve(points: Sequence[Place]) -> str:
-    """Return an SVG path through points that is horizontal at each of them."""
+    """Return an SVG path through the points; it is horizontal at each point."""
     parts = [f"M{points[0][0]:.1f},{points[0][1]:.1f}"]
     for (x1, y1), (x2, y2) in pairwise(points):
         middle = (x1 + x2) / 2

@@ -27,7 +27,7 @@ class TopicNews:
     """A topic's type, rate and endpoints.
 
     Attributes:
-        type_name: the type; several are joined by commas.
+        type_name: the type; several types are joined with commas.
         rate: messages per second [Hz]; None while unknown.
         publishers: full names of the nodes that publish, sorted.
         subscribers: full names of the nodes that subscribe, sorted.
@@ -39,7 +39,7 @@ class TopicNews:
     subscribers: tuple[str, ...]
 
     def among(self, nodes: Collection[str]) -> TopicNews:
-        """Return a copy that mentions only these nodes."""
+        """Return a copy that contains only these nodes."""
         publishers, subscribers = (tuple(filter(nodes.__contains__, n)) for n in (self.publishers, self.subscribers))
         return replace(self, publishers=publishers, subscribers=subscribers)
 
@@ -51,7 +51,7 @@ class Topology:
     Attributes:
         nodes: the number of nodes by full name, including all publishers and subscribers.
         topics: the topics by name.
-        more: the number of additional nodes and topics.
+        more: the number of nodes and topics that the snapshot omits.
     """
 
     nodes: dict[str, int] = field(default_factory=dict)
@@ -72,9 +72,9 @@ class GraphWatch:
         self._known: set[str] = set()
 
     def look(self) -> Topology:
-        """Query the graph, which takes a few milliseconds, or longer for a large graph. Runs on the executor's thread.
+        """Query the graph. A query takes a few milliseconds, or longer for a large graph. Executor's thread only.
 
-        If there are too many topics, the topics of the last query take precedence.
+        If there are too many topics, the topics of the previous query take precedence.
         """
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
         chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST])
@@ -89,7 +89,7 @@ class GraphWatch:
         return Topology(nodes, topics, more + len(found) - len(chosen))
 
     def _nodes(self, on_topics: set[str]) -> tuple[dict[str, int], int]:
-        """Count the nodes by name, preferring nodes on topics; return the counts, and the number of names left out.
+        """Count the nodes by name, preferring nodes that use topics; return the counts and the number of omitted names.
 
         A node that publishes or subscribes is counted even before discovery has found its name.
         """

@@ -20,9 +20,9 @@ LOOK_EVERY = 0.5  # [s] between checks of the publishers
 class ImageView(FrameWidget, NodeWidget):
     """Shows the newest image on a topic. Create it on the main thread while its event loop is running.
 
-    Its own node, ``image_view``, subscribes with depth 1: reliable if all publishers offer that, otherwise best effort,
-    where losing one fragment loses the whole image. A page receives the next image after it has drawn the last one, so
-    a slow page skips images, and no queue builds up.
+    Its node, ``image_view``, subscribes with depth 1. The subscription is reliable if all publishers are; otherwise it
+    is best effort, and the loss of one fragment means the loss of the whole image. A page receives the next image after
+    it has drawn the previous image. A slow page therefore skips images instead of queueing them.
 
     Args:
         topic: a topic of type ``sensor_msgs/msg/Image``.
@@ -70,7 +70,7 @@ class ImageView(FrameWidget, NodeWidget):
         self.calls.call_latest("image", self._show, _frame(message))
 
     def _show(self, frame: Frame) -> None:
-        """Keep the newest image, and send it to the views that have drawn the last one. Main thread only."""
+        """Store the newest image and send it to the views that have drawn the previous image. Main thread only."""
         self.newest = frame
         content, fields = frame
         self.send_frame(content, **fields)

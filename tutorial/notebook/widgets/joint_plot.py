@@ -36,7 +36,7 @@ class _Sample(NamedTuple):
 class JointPlot(LivePicture):
     """Plots joint positions against the messages' stamps. Create it on the main thread while its event loop is running.
 
-    Its own node, ``joint_plot``, receives the messages. The newest ones are drawn at most ten times a second.
+    Its node, ``joint_plot``, receives the messages. The plot is redrawn at most ten times a second.
 
     Args:
         topic: a topic of type ``sensor_msgs/msg/JointState``.
@@ -56,7 +56,7 @@ class JointPlot(LivePicture):
         self.open_node("joint_plot", lambda node: node.create_subscription(JointState, topic, self._on_message, qos))
 
     def _on_message(self, message: JointState) -> None:
-        """Store the positions, post a redraw, and return. Runs on the executor's thread."""
+        """Store the positions and post a redraw, without waiting for it. Runs on the executor's thread."""
         _add(self._samples, message)
         self.calls.call_latest("news", self._draw_soon)
 

@@ -25,12 +25,12 @@ class _Sticks(Struct, tag="sticks"):
 
 
 class Joystick(NodeWidget):
-    """Two sticks in a cell, whose own node, ``joystick``, publishes them on ``joy`` at 50 Hz.
+    """Shows two sticks in a cell. Its node, ``joystick``, publishes their positions on ``joy`` at 50 Hz.
 
-    It publishes from the node's thread, so it can drive the tank even while a cell is busy. The values follow the
-    ROS 2 joy package's ``game_controller_node``: left and forward are +1. If the page stops sending while a stick is
-    held, the sticks count as released. After a minute without the page, nothing is published, as with an unplugged
-    joystick.
+    It publishes from the node's thread, so it can drive the tank even while a cell is busy. The values follow the ROS 2
+    joy package's ``game_controller_node``: left and forward are +1. If the page stops sending while a stick is held,
+    the sticks are treated as released. Once the page has been gone for a minute, nothing is published, as with an
+    unplugged joystick.
     """
 
     _esm = read_static("make.js", "cell.js", "joystick.js")
@@ -46,7 +46,7 @@ class Joystick(NodeWidget):
 
     @property
     def axes(self) -> tuple[float, ...]:
-        """The six axes, each -1 to 1: left stick left and up, right stick left and up, the two triggers."""
+        """The six axes, each from -1 to 1: left stick left and up, right stick left and up, the two triggers."""
         return self._now().axes
 
     def end(self) -> None:
@@ -73,14 +73,14 @@ class Joystick(NodeWidget):
         return _Sticks() if is_old or self.ended else held
 
     def _tick(self) -> None:
-        """Publish the sticks. While the page is gone, only check once a second whether it is back."""
+        """Publish the state of the sticks. While the page is gone, only check once a second whether it has returned."""
         is_gone = self.page_is_gone()
         self._timer.timer_period_ns = 10**9 if is_gone else 10**9 // RATE
         if not is_gone:
             self._publish()
 
     def _publish(self) -> None:
-        """Publish the state of the sticks. Runs on the node's thread, and for the last time on the main thread."""
+        """Publish the state of the sticks. Runs on the node's thread; only the last call is on the main thread."""
         with self._publishing:  # the last message has to be the neutral one
             held = self._now()
             self._publisher.publish(joy_message(self._node, held.axes, held.buttons))

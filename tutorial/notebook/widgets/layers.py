@@ -1,6 +1,7 @@
 """Lays out a directed graph in layers from left to right, after Sugiyama, Tagawa and Toda (1981).
 
-Edges that would close a cycle run from right to left. An edge over several layers gets its own row in each of them.
+Edges that would close a cycle run from right to left. An edge that crosses several layers gets a separate row in each
+of them.
 """
 
 from collections import defaultdict
@@ -24,7 +25,7 @@ class Layout:
     Attributes:
         places: the centre of each vertex.
         lanes: for each edge, the points where it enters and leaves each layer that it passes, in its direction.
-        size: the width and height of the layout, with shapes no taller than a row.
+        size: the width and height of the layout, provided that no shape is taller than a row.
     """
 
     places: dict[Vertex, Place]
@@ -57,7 +58,7 @@ def lay_out(widths: Mapping[Vertex, float], edges: Sequence[Edge]) -> Layout:
 
 
 def _layers(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> dict[Vertex, int]:
-    """Return each vertex's layer: right of all its predecessors or, without any, just left of its first successor."""
+    """Return each vertex's layer: right of all predecessors or, if it has none, just left of the first successor."""
     rank = {vertex: i for i, vertex in enumerate(_ordered(vertices, edges))}
     forward = [(a, b) if rank[a] < rank[b] else (b, a) for a, b in edges]
     before, after = _neighbours((b, a) for a, b in forward), _neighbours(forward)
@@ -90,7 +91,7 @@ def _ordered(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> list[Vertex]:
 
 
 def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex, float]:
-    """Return each vertex's y. Layers are centred, and sorted by the mean y of the predecessors."""
+    """Return each vertex's y. Layers are centred; the vertices in a layer are sorted by the mean y of predecessors."""
     before = _neighbours((b, a) if layer[a] < layer[b] else (a, b) for a, b in links)
     columns = defaultdict(list)
     for vertex, number in layer.items():

@@ -18,8 +18,8 @@ def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], uni
         unit: the unit of the values, such as ``"m/s²"``.
 
     Raises:
-        TutorialError: there are no curves, or more than eight; or a curve has no points, a number that is not finite,
-            or different numbers of times and values.
+        TutorialError: there are no curves or more than eight; or a curve has no points, contains a number that is not
+            finite, or has different numbers of times and values.
     """
     if not 0 < len(curves) <= MOST_CURVES:
         raise TutorialError(NOTHING.format(f"{len(curves)} curves, but 1 to {MOST_CURVES} are supported"))

@@ -1,4 +1,4 @@
-"""Vector pictures in cells: static pictures, and live pictures that their own nodes update."""
+"""Vector pictures in cells: static pictures, and live pictures that nodes update."""
 
 import traitlets
 
@@ -8,9 +8,9 @@ from tutorial.view.assets import read_static
 
 
 class Picture(CellWidget):
-    """Shows an SVG in a cell, and replaces it with each later one.
+    """Shows an SVG picture in a cell; `show` replaces it.
 
-    Only shapes and text reach the page: scripts, links and everything else are removed.
+    Only shapes and text reach the page: everything else, such as scripts and links, is removed.
 
     Args:
         svg: the picture; empty if there is no picture yet.
@@ -41,7 +41,7 @@ class Picture(CellWidget):
 
 
 class LivePicture(Picture, NodeWidget):
-    """A picture that its own node's callbacks update. Create it on the main thread while its event loop is running.
+    """A picture that the callbacks of its node update. Create it on the main thread while its event loop is running.
 
     Args:
         name: the picture's subject, for the ``repr``.

@@ -9,7 +9,7 @@ class SceneView(FrameWidget):
     """Shows a scene in any number of cells, on every page that has the notebook open.
 
     Create it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when
-    that thread is free; a page that already shows the scene receives at once what a busy cell flushes.
+    that thread is free; a page that already shows the scene immediately receives the changes that a busy cell flushes.
 
     Args:
         scene: the scene to show.
@@ -40,7 +40,7 @@ class SceneView(FrameWidget):
         return content, {}
 
     def _show(self, content: bytes) -> None:
-        """Send a frame. If no remaining view keeps up, stop following the scene."""
+        """Send a frame. If no view keeps up any longer, stop following the scene."""
         if not self.send_frame(content):
             self.scene.detach(self._show)
 

@@ -9,8 +9,8 @@ from tutorial.notebook.widgets.scene_view import SceneView
 class SideBySide(HBox):  # type: ignore[misc]
     """Shows widgets in a row. On a narrow page, views are stacked.
 
-    A widget beside a view, such as a joystick, stays there and shrinks, because you watch the view while you use it.
-    The view takes at least half of the row.
+    A widget beside a view, such as a joystick, shrinks but stays beside it, because you watch the view while you use
+    the widget. The view occupies at least half of the row.
 
     Args:
         widgets: the widgets to show.

@@ -52,7 +52,7 @@ def draw(parent: Element, tag: str, style: str = "", **attributes: float | str) 
     Args:
         parent: the element to add it to.
         tag: the element's tag, such as ``"line"``.
-        style: CSS. Colours belong here, because attributes cannot contain CSS variables.
+        style: CSS. Specify colours here, because attributes cannot contain CSS variables.
         attributes: the element's attributes. Numbers are in px, and ``_`` becomes ``-``.
     """
     texts = {name.replace("_", "-"): _number(a) if not isinstance(a, str) else a for name, a in attributes.items()}
@@ -71,7 +71,7 @@ def write(parent: Element, x: float, y: float, text: str, style: str = f"fill:{I
         y: position of the baseline [px].
         text: the text; it can contain any characters.
         style: CSS.
-        anchor: the part of the text at x: ``"start"``, ``"middle"`` or ``"end"``.
+        anchor: the part of the text that is at x: ``"start"``, ``"middle"`` or ``"end"``.
     """
     element = draw(parent, "text", style, x=x, y=y, text_anchor=anchor)
     element.text = text

@@ -48,7 +48,7 @@ class _Lanes:
 
     Attributes:
         names: the threads' names.
-        duration: from the first moment to the last [s].
+        duration: the time from the first moment to the last moment [s].
         end: the x of the last moment [px].
         foot: the y of the time axis [px].
     """
@@ -83,7 +83,7 @@ class _Lanes:
 
 
 def _draw_callback(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
-    """Draw a hollow dot where a message was received, and a bar as long as its callback ran."""
+    """Draw a hollow dot where a message was received, and a bar for the time during which its callback ran."""
     if handoff.received is None:
         return
     x, y = lanes.place(handoff.received)
@@ -111,7 +111,7 @@ def _draw_call(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
 
 
 def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str) -> None:
-    """Explain the symbols, with their counts."""
+    """Draw the symbols with their explanations and counts."""
     entries = [
         ("○", svg.INK, "received", received),
         ("●", svg.ACCENT, f"applied after {waited}", counts["applied"]),

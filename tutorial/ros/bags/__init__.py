@@ -1,4 +1,4 @@
-"""Record, read and play bags, in the same file formats as ``ros2 bag``. Nothing here prints."""
+"""Record, read and play bags, in the same file formats as ``ros2 bag``. The package prints nothing."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

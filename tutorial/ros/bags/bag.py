@@ -38,7 +38,7 @@ class BagTopic(NamedTuple):
 
 
 class _Information(msgspec.Struct):
-    """The fields that are read from a bag's ``metadata.yaml``; the bag's files contain the other fields as well."""
+    """The fields that are read from a bag's ``metadata.yaml``; the bag's files also contain the other fields."""
 
     message_count: int | None = None
     compression_mode: str = ""
@@ -50,18 +50,18 @@ class _Metadata(msgspec.Struct):
 
 
 class Bag:
-    """A bag recorded by ``tank bag record`` or ``ros2 bag record``; a damaged one is read as far as possible.
+    """A bag recorded by ``tank bag record`` or ``ros2 bag record``; a damaged bag is read as far as possible.
 
     Args:
         path: the bag's folder or one of its files, MCAP or SQLite.
 
     Attributes:
-        path: as given.
+        path: the given path.
         files: its files, in order.
         storage: ``"mcap"`` or ``"sqlite3"``.
         distro: the ROS 2 distribution that wrote it, such as ``"jazzy"``; empty if unknown.
         channels: descriptions of its topics, by name.
-        start, end: when the first and the last message were received, since 1970 [ns]; 0 if there are none.
+        start, end: when the first and the last message were received [ns since 1970]; 0 if there are no messages.
 
     Raises:
         TutorialError: there is no bag, or nothing in it can be read.
@@ -106,7 +106,7 @@ class Bag:
 
     @property
     def damage(self) -> str:
-        """A sentence about what is missing or wrong in the parts read so far; empty if nothing is."""
+        """A sentence about the missing or damaged data in the parts read so far; empty if there is no damage."""
         if not self._faults:
             return ""
         first, more = list(self._faults)[:MOST_FAULTS], "; and others" if len(self._faults) > MOST_FAULTS else ""
@@ -131,7 +131,8 @@ class Bag:
         """Yield the messages in order of receipt: (topic, time [ns], message).
 
         Args:
-            topics: the topics to read; None for all whose types are known here. A warning names each omitted topic.
+            topics: the topics to read; None for all topics whose types are known here. A warning names each omitted
+                topic.
 
         Raises:
             TutorialError: there is no such topic, its type is not known here, or its messages are not in CDR.
@@ -191,7 +192,7 @@ class Bag:
         return None
 
     def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
-        """Yield the messages sorted by time. A message written up to one batch too late is moved to its place."""
+        """Yield the messages sorted by time. A message written up to one batch late is moved to its correct place."""
         waiting: list[RawMessage] = []
         for batch in chain.from_iterable(reader.batches(since) for reader in self._readers):
             found = list(batch)

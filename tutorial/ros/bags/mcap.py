@@ -1,8 +1,8 @@
 """Read and write MCAP files, the default format of ``ros2 bag`` (https://mcap.dev/spec).
 
-A file is a sequence of records. Messages are grouped in chunks, and a summary of the file follows the last one. The
+A file is a sequence of records. Messages are grouped in chunks, and a summary of the file follows the last chunk. The
 package mcap reads and writes single records. Its file reader, like the reader in rosbags, needs a complete file; this
-module also reads what a killed program or a failing disk has left.
+module also reads the incomplete file that a killed program or a failing disk has left.
 """
 
 import struct
@@ -81,7 +81,7 @@ class McapWriter:
         self._writer.add_message(self._ids[topic], received_ns, payload, sent_ns)
 
     def flush(self) -> None:
-        """Write the messages so far as a chunk, followed by its index."""
+        """Write the messages collected so far as a chunk, followed by its index."""
         self._writer.flush()
 
     def close(self, metadata: str) -> None:
@@ -100,7 +100,7 @@ class McapReader:
         say: called with each fault in the file when it is found; the text is the end of a sentence.
 
     Attributes:
-        channels: its topics by id, as far as it has been read.
+        channels: its topics by id, as far as the file has been read.
 
     Raises:
         CorruptBagError: the file is not an MCAP file.
@@ -128,7 +128,7 @@ class McapReader:
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
         """Yield the messages of each chunk, except for chunks that end before a time [ns].
 
-        A message outside a chunk forms its own batch.
+        A message outside a chunk forms a separate batch.
         """
         try:
             with self._path.open("rb") as file:
@@ -141,13 +141,13 @@ class McapReader:
             self._say(str(error))
 
     def _check_begin(self, file: IO[bytes]) -> None:
-        """Reject a file that is not MCAP. Ignore the header's profile, which some programs leave out."""
+        """Reject a file that is not MCAP. Ignore the header's profile, which some programs omit."""
         begin = file.read(len(MCAP0_MAGIC))
         if begin != MCAP0_MAGIC:
             raise CorruptBagError(f"it begins with {begin.hex(' ')!r}, unlike an MCAP file")
 
     def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
-        """Yield the records of a chunk up to where it is cut off; nothing if it cannot be decompressed."""
+        """Yield the records of a chunk up to the point where it is cut off; nothing if it cannot be decompressed."""
         size, how = chunk.uncompressed_size, chunk.compression
         if size > LARGEST_MESSAGE:
             self._say(f"a chunk in it has {size:,} bytes; at most {LARGEST_MESSAGE:,} are read")
@@ -166,7 +166,7 @@ class McapReader:
             yield from self._records(BytesIO(data), 0, len(data), CUT_CHUNK)
 
     def _messages_in(self, some: Iterable[records.McapRecord]) -> Iterator[RawMessage]:
-        """Yield the messages among some records, and store their topics."""
+        """Yield the messages in a sequence of records, and store their topics."""
         for record in some:
             if not isinstance(record, records.Message):
                 self._take(record)
@@ -176,7 +176,7 @@ class McapReader:
                 self._say("a message in it belongs to no topic")
 
     def _take(self, record: records.McapRecord) -> None:
-        """Store a topic or its type's name. Keep the first one with an id, because repetitions may be damaged."""
+        """Store a topic or its type's name. Store only the first with each id, because repetitions may be damaged."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
         elif isinstance(record, records.Channel):

@@ -39,12 +39,11 @@ class Player:
     Args:
         node: the node that publishes.
         bag: the bag to play.
-        rate: speed, 2 for twice as fast.
-        loop: restart at the end, until stopped.
+        rate: the speed; 2 is twice as fast.
+        loop: start again at the end, until stopped.
         start_offset: time to skip at the beginning [s].
         topics: the topics to play; None for all.
-        clock: how often to publish the time of the bag on ``/clock`` [Hz], instead of the bag's own ``/clock``; 0 for
-            never.
+        clock: how often to publish the bag's time on ``/clock`` [Hz], instead of the recorded ``/clock``; 0 for never.
 
     Attributes:
         played: number of messages published so far.

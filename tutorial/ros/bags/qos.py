@@ -28,12 +28,12 @@ def qos_text(profiles: Iterable[QoSProfile]) -> str:
 
 
 def offered(text: str) -> QoSProfile:
-    """Return the QoS to play a topic with: its publishers' QoS if they all offered the same, otherwise the default.
+    """Return the QoS to play a topic with: its publishers' QoS if they all offered the same QoS, otherwise the default.
 
     The depth is always the default, as in ``ros2 bag play``.
 
     Args:
-        text: written by `qos_text`, or by an older ``ros2 bag``, which uses numbers instead of words.
+        text: the text, written by `qos_text` or by an older ``ros2 bag``, which uses numbers instead of words.
     """
     try:
         kinds = [_profile(told) for told in parse_qos(read_yaml(text))]

@@ -35,9 +35,8 @@ _log = logging.getLogger(__name__)
 class Recorder:
     """Records topics into a bag while its context is open.
 
-    Messages are stored byte for byte. Callbacks only queue them; the recorder's own thread writes them, flushes once a
-    second, and looks for new topics. The time of receipt is simulated time if the node's parameter ``use_sim_time`` is
-    true.
+    Messages are stored byte for byte. Callbacks only queue them; a separate thread writes them, flushes once a second,
+    and looks for new topics. The time of receipt is simulated time if the node's parameter ``use_sim_time`` is true.
 
     Args:
         node: the node that subscribes; it must be spinning on another thread.
@@ -49,7 +48,7 @@ class Recorder:
     Attributes:
         path: the bag's folder.
         lost: number of messages that were received but not written because the disk was too slow, or full.
-        error: why writing has stopped; None while all is well.
+        error: why writing has stopped; None if there was no error.
 
     Raises:
         TutorialError: the folder exists or cannot be created, or a topic's name breaks the naming rules. When the
@@ -133,7 +132,7 @@ class Recorder:
     def _settle(self) -> None:
         """Wait for messages that were sent before the end, until no more arrive, for at most one second.
 
-        A timer on the executor's thread checks this, because no messages arrive while that thread is busy.
+        A timer on the executor's thread checks for new messages, because no messages arrive while that thread is busy.
         """
         seen: deque[int] = deque(maxlen=3)
         quiet = threading.Event()

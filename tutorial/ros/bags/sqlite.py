@@ -82,7 +82,7 @@ class SqliteWriter:
 class SqliteReader:
     """Reads an SQLite file, as far as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
 
-    Messages are read in the order they were written, because the index by time may be damaged.
+    Messages are read in the order in which they were written, because the index by time may be damaged.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
@@ -110,7 +110,7 @@ class SqliteReader:
         return list(self._rows(f"SELECT {', '.join(columns)} FROM topics"))
 
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
-        """Yield the messages received at a time [ns] or later, in batches."""
+        """Yield the messages received at or after a time [ns], in batches."""
         messages = self._messages(since)
         while batch := list(islice(messages, BATCH)):
             yield batch

@@ -18,7 +18,7 @@ class CorruptBagError(Exception):
 
 @dataclass
 class Span:
-    """The number of messages, and when the first and the last one were received [ns]; 0 if there are none."""
+    """The number of messages, and when the first and the last message were received [ns]; 0 without messages."""
 
     count: int = 0
     start: int = 0
@@ -33,7 +33,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Channel:
-    """A bag's data about a topic, apart from its messages.
+    """A bag's data about a topic, without the messages.
 
     Attributes:
         topic: its full name.
@@ -53,7 +53,7 @@ class Channel:
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML loader that ignores merge keys: a few that refer to each other expand to gigabytes."""
+    """YAML loader that ignores merge keys, because a few keys that refer to each other can expand to gigabytes."""
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
         """Leave a mapping unchanged."""

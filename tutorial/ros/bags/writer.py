@@ -84,7 +84,7 @@ class BagWriter:
         self.counts[topic] += 1
 
     def flush(self) -> None:
-        """Hand the written messages to the operating system, so that they outlive this process."""
+        """Pass the written messages to the operating system, so that they are not lost if this process is killed."""
         self._file.flush()
 
     def close(self) -> None:

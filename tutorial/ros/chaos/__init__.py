@@ -1,4 +1,4 @@
-"""Joint states with faults: what a network, or a careless or hostile program, can send.
+"""Joint states with faults, such as those that a network or a careless or hostile program can cause.
 
 `faults` defines the faults, without ROS 2; `stream` publishes them.
 """

@@ -1,7 +1,7 @@
 """Inject faults into a stream of joint states, without threads, clocks or ROS 2.
 
-Each fault has its own random numbers, so the same seed gives the same stream, and the messages that a fault affects do
-not depend on which other faults are active.
+Each fault uses a separate sequence of random numbers. Therefore, the same seed gives the same stream, and the messages
+that a fault affects do not depend on which other faults are active.
 """
 
 from collections.abc import Callable, Mapping
@@ -73,11 +73,12 @@ class Chaos:
     """Injects faults into a stream of joint states.
 
     Args:
-        faults: the share of messages that each fault affects, 0 to 1, by name. Several can affect the same message.
+        faults: the share of messages that each fault affects, 0 to 1, by name. Several faults can affect the same
+            message.
         seed: the same seed gives the same faults.
 
     Attributes:
-        faults: as given; it can be replaced while the stream runs.
+        faults: the given faults; they can be replaced while the stream runs.
         made: number of messages that each fault has affected so far, by name.
     """
 
@@ -93,7 +94,7 @@ class Chaos:
         """Inject faults into the next message.
 
         Args:
-            message: a good `sensor_msgs/JointState`, which is not changed.
+            message: a `sensor_msgs/JointState` without faults; it is not changed.
 
         Returns:
             The actions to take, in order; empty for a message that is lost or held back.
@@ -139,10 +140,10 @@ class Chaos:
 
 
 def parse_fault(text: str) -> tuple[str, float]:
-    """Parse a fault: ``"nan:0.1"`` affects one message in ten, ``"nan"`` affects all.
+    """Parse a fault: ``"nan:0.1"`` affects one message in ten, ``"nan"`` affects every message.
 
     Raises:
-        TutorialError: there is no such fault, and the error suggests the nearest name; or the share is invalid.
+        TutorialError: there is no such fault (the error suggests the nearest name), or the share is invalid.
     """
     name, colon, given = text.partition(":")
     try:
@@ -188,7 +189,7 @@ def _reorder(message: Any, order: list[int]) -> None:
 
 
 def _some(random: Random, count: int) -> int:
-    """Draw the number of entries to keep: at least one, and not all if there are several."""
+    """Choose at random how many entries to keep: at least one, but not all if there are several."""
     return random.randrange(1, max(count, 2))
 
 

@@ -17,7 +17,7 @@ DEPTH = 100  # enough for a burst
 
 
 def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:
-    """Return a good message: all joints swing steadily between 0.15 and 0.65 rad, each slower than the one before.
+    """Return a good message: all joints swing steadily between 0.15 and 0.65 rad, each slower than the previous joint.
 
     Args:
         number: number of the message, from 0, which determines its content.
@@ -43,7 +43,7 @@ class ChaosStream:
         good: the topic of the good stream; None to publish `swing`.
 
     Attributes:
-        chaos: as given.
+        chaos: the given `Chaos`.
 
     Raises:
         TutorialError: the good stream is on the topic of the faults.

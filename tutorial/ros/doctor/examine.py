@@ -28,7 +28,7 @@ async def examine(
     joints: Iterable[str] | None = None,
     domains: Sequence[int] = DOMAINS,
 ) -> Facts:
-    """Check whether this program can make a node, and collect the facts about a topic.
+    """Check whether this program can create a node, and collect the facts about a topic.
 
     Args:
         topic: the topic's name.
@@ -37,8 +37,8 @@ async def examine(
         domains: the other domains to search if nobody publishes the topic.
 
     Raises:
-        TutorialError: the topic's name is invalid, or making the node failed for a reason that no rule covers.
-        RuntimeError: the same, from rclpy.
+        TutorialError: the topic's name is invalid, or the node could not be created for a reason that no rule covers.
+        RuntimeError: rclpy could not create the node, for a reason that no rule covers.
     """
     try:
         ros_backend()

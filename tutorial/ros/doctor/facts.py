@@ -8,16 +8,16 @@ from math import inf
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A publisher or subscription, with the QoS policies that have to match the other side's.
+    """A publisher or subscription, with the QoS policies that must be compatible with those of the other endpoint.
 
     Attributes:
         node: the full name of its node; empty if that is unknown.
         type: its message type, such as ``"sensor_msgs/msg/Joy"``.
         hash: the hash of the type's definition; empty if unknown.
-        reliable: RELIABLE instead of BEST_EFFORT.
-        transient_local: TRANSIENT_LOCAL instead of VOLATILE.
+        reliable: whether it is RELIABLE instead of BEST_EFFORT.
+        transient_local: whether it is TRANSIENT_LOCAL instead of VOLATILE.
         deadline: the longest time between two messages [s].
-        manual: MANUAL_BY_TOPIC liveliness instead of AUTOMATIC.
+        manual: whether its liveliness is MANUAL_BY_TOPIC instead of AUTOMATIC.
         lease: the lease duration of its liveliness [s].
         lifespan: how long a publisher's message stays valid [s].
     """
@@ -35,7 +35,7 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic other than the one in question.
+    """A topic other than the examined topic.
 
     Attributes:
         name: its full name.
@@ -50,13 +50,13 @@ class Topic:
 
 @dataclass(frozen=True)
 class Program:
-    """A running program on this machine that belongs to the same user and has network connections.
+    """A program that the same user is running on this machine, and that has network connections.
 
     Attributes:
         pid: its process ID.
         command: the beginning of its command, without the folder of its executable.
         domain: its ROS domain.
-        joined: whether it uses ports of that domain; otherwise it is perhaps not a ROS 2 program.
+        joined: whether it uses ports of that domain; if not, it may not be a ROS 2 program.
         stopped: whether it is suspended, as after Ctrl-Z.
         reach: its ``ROS_AUTOMATIC_DISCOVERY_RANGE``; empty if not set.
         rmw: its ``RMW_IMPLEMENTATION``; empty if not set.
@@ -73,7 +73,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Facts:
-    """Everything that was observed about a topic, and about this program.
+    """All observations about a topic and about this program.
 
     Attributes:
         topic: the topic's full name.
@@ -83,11 +83,11 @@ class Facts:
         import_error: why ROS 2 cannot be imported; empty if it can.
         loopback: whether the loopback interface is up.
         joined: whether this program could join the domain.
-        participants: how many of Cyclone DDS's places in the domain programs on this machine take; counted only if
-            nobody publishes the topic, or if this program could not join.
+        participants: the number of Cyclone DDS's places in the domain that programs on this machine occupy; counted
+            only if nobody publishes the topic or this program could not join.
         publishers: the topic's publishers.
-        subscriptions: the topic's subscriptions, without the doctor's own.
-        here: the doctor's own subscription, if it could subscribe; its node is ``"the doctor"``.
+        subscriptions: the topic's subscriptions, without the doctor's subscription.
+        here: the doctor's subscription, if it could subscribe; its node is ``"the doctor"``.
         installed: whether the type of any publisher is installed here; True without publishers.
         topics: the other topics in the domain.
         looked_into: the other domains that the doctor has joined, or skipped because no program uses them.
@@ -96,12 +96,12 @@ class Facts:
         clock_users: the names of the nodes that subscribe to ``/clock``.
         clock_publishers: the number of publishers of ``/clock``.
         clock_ticks: the number of messages that arrived on ``/clock``.
-        seconds: how long the doctor was subscribed [s]; 0 if it could not subscribe.
+        seconds: how long the doctor had a subscription [s]; 0 if it could not subscribe.
         received: the number of messages that were published and arrived in that time.
         rate: their rate [Hz]; 0 for fewer than two.
-        kept: the number of messages that arrived, but had been published before.
+        kept: the number of messages that arrived but had been published before the doctor subscribed.
         unmoved: the number of received joint states that move no joint.
-        complaint: what the joint matcher reports about most of these.
+        complaint: the joint matcher's report on most of these joint states.
     """
 
     topic: str
@@ -137,5 +137,5 @@ class Facts:
 
     @property
     def silent(self) -> bool:
-        """Whether there are publishers, and none of them has sent a message."""
+        """Whether there are publishers but none of them has sent a message."""
         return bool(self.publishers) and self.seconds > 0 and not self.received and not self.kept

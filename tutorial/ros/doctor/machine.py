@@ -1,6 +1,7 @@
-"""Look at this program and its machine, without joining a domain and without ROS 2.
+"""Examine this program and its machine, without joining a domain and without using ROS 2.
 
-ROS 2's ports tell which domains are in use here. The variables of other programs tell why they cannot be seen.
+ROS 2's ports show which domains are in use here. The environment variables of other programs show why they cannot be
+seen.
 """
 
 from __future__ import annotations
@@ -31,25 +32,25 @@ def reach() -> str:
 
 
 def domain_in(variables: Mapping[str, str]) -> int:
-    """Return the domain that a program's environment variables choose."""
+    """Return the domain that a program's environment variables select."""
     given = variables.get("ROS_DOMAIN_ID", "").strip()
     return int(given) if given.isdecimal() else 0
 
 
 def participants(domain: int) -> int:
-    """Count the places of a domain that programs on this machine use, with Cyclone DDS; 0 if unknown."""
+    """Return how many of Cyclone DDS's places in a domain are in use by programs on this machine; 0 if unknown."""
     first = FIRST_PORT + PORTS * domain + FIRST_UNICAST
     return len((_udp_ports() or set()).intersection(range(first, first + 2 * PLACES, 2)))
 
 
 def domains_in_use(domains: Iterable[int]) -> list[int]:
-    """Return only the domains that programs on this machine use; if that is unknown, return all of them."""
+    """Return the domains that programs on this machine use; if they are unknown, return all given domains."""
     ports = _udp_ports()
     return [each for each in domains if ports is None or any((port - FIRST_PORT) // PORTS == each for port in ports)]
 
 
 def programs() -> list[Program]:
-    """Return the other programs of this user that have network connections; only on Linux."""
+    """Return this user's other programs that have network connections; on Linux only."""
     try:
         sockets = psutil.net_connections("inet")
     except (psutil.Error, OSError):  # on macOS, only root can list them

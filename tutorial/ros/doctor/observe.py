@@ -1,6 +1,6 @@
-"""Collect the facts about a topic: what the node graph shows, what arrives, and what other domains have.
+"""Collect the facts about a topic from the node graph, from the messages that arrive, and from other domains.
 
-The doctor only subscribes; it publishes nothing. Its node is hidden, like that of ``ros2``.
+The doctor only subscribes; it publishes nothing. Its node is hidden, like the node of a ``ros2`` command.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ async def observe(
     Args:
         node: the node that subscribes; it must be spinning on another thread.
         topic: the topic's full name.
-        joints: for joint states, the names of the joints that the viewer has; None for the tank's joints on the tank's
-            own topic, and for the joints in the first message on any other topic.
+        joints: for joint states, the names of the viewer's joints. None means the tank's joints on the tank's topic,
+            and the joints in the first message on any other topic.
         domains: the other domains to search if nobody publishes the topic.
     """
     began = time.monotonic()
@@ -92,14 +92,14 @@ async def observe(
 
 
 class _Ear:
-    """A subscription that counts messages, and keeps joint states undecoded.
+    """A subscription that counts messages and stores joint states undecoded.
 
     Attributes:
-        since: when it subscribed, from `time.monotonic` [s].
+        since: when the subscription was created, from `time.monotonic` [s].
         kind: the name of the message type.
         arrivals: the time of each message that was published since then [s].
-        kept: the number of messages that had been published before.
-        payloads: the first joint states, at most `MATCHED`.
+        kept: the number of messages that had been published before then.
+        payloads: the first joint states that arrived, at most `MATCHED`.
     """
 
     def __init__(self, node: Node, topic: str, kind: str) -> None:
@@ -118,7 +118,7 @@ class _Ear:
         self._node.destroy_subscription(self._subscription)
 
     def _hear(self, payload: bytes, info: dict[str, int]) -> None:
-        """Count a message. Executor's thread."""
+        """Count a message. Runs on the executor's thread."""
         if info["source_timestamp"] < self._since_ns and time.monotonic() < self.since + KEPT_FOR:
             self.kept += 1
             return
@@ -127,7 +127,7 @@ class _Ear:
             self.payloads.append(payload)
 
     def facts(self) -> dict[str, Any]:
-        """Return the facts about the messages so far."""
+        """Return the facts about the messages received so far."""
         arrivals = self.arrivals.copy()
         span = arrivals[-1] - arrivals[0] if arrivals else 0.0
         rate = (len(arrivals) - 1) / span if span > 0 else 0.0
@@ -140,10 +140,10 @@ class _Ear:
 
 
 class _Elsewhere(ExitStack):
-    """Searches other domains for publishers of a topic, on the same middleware and in the same range.
+    """Searches other domains for publishers of a topic, with the same middleware and the same discovery range.
 
-    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. At the end of the context,
-    it leaves them all.
+    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. At the end of the context, it
+    leaves all of them.
     """
 
     def __init__(self, topic: str, domains: list[int]) -> None:
@@ -200,7 +200,7 @@ def _seconds(nanoseconds: int) -> float:
 
 
 def _installed(publishers: Sequence[Endpoint], subscriptions: Sequence[Endpoint]) -> str:
-    """Return the type to subscribe to: if possible, that of a subscription; empty if none of them is installed."""
+    """Return a publisher's type to subscribe to, preferably also a subscription's; empty if none is installed."""
     wanted = {each.type for each in subscriptions}
     for kind in sorted({each.type for each in publishers}, key=lambda each: each not in wanted):
         with suppress(TutorialError):

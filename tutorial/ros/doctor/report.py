@@ -17,7 +17,7 @@ def report(facts: Facts) -> str:
 
     Returns:
         Lines: the topic's publishers and subscriptions, and either that all is well or the likely causes, the most
-            likely one first.
+            likely cause first.
     """
     causes = diagnose(facts)
     if not causes:
@@ -33,7 +33,7 @@ def _summary(facts: Facts) -> str:
 
 
 def _arrived(facts: Facts) -> str:
-    """Describe how many messages arrived at the doctor. Its own QoS is always compatible with the publisher's."""
+    """Describe how many messages the doctor received. Its QoS is always compatible with the publisher's."""
     if not facts.seconds:
         return ""
     messages = f"{facts.received or 'No'} message{'s' * (facts.received != 1)}"

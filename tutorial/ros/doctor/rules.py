@@ -1,4 +1,4 @@
-"""The causes that the doctor knows, as one table, and the rules that recognise them.
+"""The table of the causes that the doctor knows, with the rules that recognise them.
 
 `tank doctor`, the notebooks' ``why``, the book and the tests share this table.
 """
@@ -28,9 +28,9 @@ class Found(NamedTuple):
     """The evidence for a cause.
 
     Attributes:
-        saw: the sentence about what the doctor saw.
-        words: replacements for the words in capitals in a rule's commands, other than TOPIC.
-        weak: whether the cause only counts if there is no stronger one.
+        saw: the sentence that describes the doctor's observation.
+        words: replacements for the words in capitals in a rule's commands, except TOPIC.
+        weak: whether the cause is reported only if there is no stronger cause.
     """
 
     saw: str
@@ -39,15 +39,15 @@ class Found(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """A cause, and how to recognise and fix it. In commands, words in capitals stand for names and numbers.
+    """A cause, and how to recognise and fix it. In commands, words in capitals represent names and numbers.
 
     Attributes:
         title: the cause in a few words.
-        find: returns the evidence for the cause; None if the facts don't show any.
+        find: returns the evidence for the cause; None if the facts contain no evidence.
         means: the sentence that explains the cause.
         fix: the sentence that says what to change.
         command: the command that fixes it, if there is one.
-        look: the command that shows the cause: the words after ``tank`` or ``ros2``, or a command of the system.
+        look: the command that shows the cause: the words after ``tank`` or ``ros2``, or a system command.
     """
 
     title: str
@@ -62,9 +62,9 @@ class Cause(NamedTuple):
     """A cause that was found.
 
     Attributes:
-        name: the name of the rule that recognised it.
+        name: the name of the rule that recognised the cause.
         found: the evidence.
-        topic: the topic in question.
+        topic: the examined topic.
     """
 
     name: str
@@ -73,7 +73,7 @@ class Cause(NamedTuple):
 
     @property
     def rule(self) -> Rule:
-        """The rule that recognised it."""
+        """The rule that recognised the cause."""
         return RULES[self.name]
 
     def fill(self, command: str) -> str:
@@ -82,14 +82,14 @@ class Cause(NamedTuple):
         return re.sub(rf"\b({'|'.join(words)})\b", lambda found: shlex.quote(escape_name(words[found[1]])), command)
 
     def looks(self) -> list[str]:
-        """Return the commands that show the cause: ours and that of ``ros2``, or one of the system."""
+        """Return the commands that show the cause: those of ``tank`` and ``ros2``, or a system command."""
         look = self.fill(self.rule.look)
         tools = ("tank topic ", "ros2 topic ") if "topic " in look else ("",)
         return [look.replace("topic ", tool, 1) for tool in tools]
 
 
 def diagnose(facts: Facts) -> list[Cause]:
-    """Return the likely causes why no messages arrive, the most likely one first; empty if all is well."""
+    """Return the likely reasons why no messages arrive, the most likely reason first; empty if all is well."""
     causes = [Cause(name, found, facts.topic) for name, rule in RULES.items() if (found := rule.find(facts))]
     strong = [cause for cause in causes if not cause.found.weak]
     return (strong or causes)[:MOST]
@@ -117,7 +117,7 @@ def _full(facts: Facts) -> Found | None:
 
 
 def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
-    """Return the names of the rules that keep a publisher and a subscription apart (DDS 1.4, section 2.2.3)."""
+    """Return the names of the rules by which a publisher and a subscription don't match (DDS 1.4, section 2.2.3)."""
     known = publisher.hash and subscription.hash
     tests = {
         "type": publisher.type != subscription.type,
@@ -136,11 +136,11 @@ def _fits(subscription: Endpoint, publishers: Sequence[Endpoint]) -> bool:
 
 
 def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Found | None]:
-    """Return a function that finds a subscription, perhaps the doctor's own, that no publisher can reach.
+    """Return a function that finds a subscription, possibly the doctor's, that does not match any publisher.
 
     Args:
-        name: the name of the rule that keeps the subscription apart from the publisher with the fewest misfits.
-        text: describes what an endpoint asks for or offers.
+        name: the name of the rule by which the subscription does not match the publisher with the fewest misfits.
+        text: returns the text that describes an endpoint's request or offer.
     """
 
     def find(facts: Facts) -> Found | None:
@@ -169,7 +169,7 @@ def _late(facts: Facts) -> Found | None:
 
 
 def _not_requested(facts: Facts) -> Found | None:
-    """Find a subscription that does not ask for the messages that the publisher keeps."""
+    """Find a subscription that does not request the messages that the publisher stores."""
     volatile = [each for each in facts.subscriptions if not each.transient_local]
     if not facts.kept or facts.received or not volatile or any(each.lifespan < inf for each in facts.publishers):
         return None
@@ -178,7 +178,7 @@ def _not_requested(facts: Facts) -> Found | None:
 
 
 def _perhaps_missed(facts: Facts) -> Found | None:
-    """Find a silent publisher that keeps no messages, so it may have published before anybody subscribed."""
+    """Find a silent publisher that stores no messages, so it may have published before anybody subscribed."""
     if not facts.silent or facts.publishers[0].transient_local or facts.topic in EVERY_NODE_HAS:
         return None
     is_usual = facts.topic.rpartition("/")[2] in ONCE
@@ -257,15 +257,15 @@ def _name(facts: Facts) -> Found | None:
 
 
 def _near(topic: str, topics: Sequence[Topic]) -> list[Topic]:
-    """Return the topics with a similar name, the most similar first."""
+    """Return the topics with similar names, the most similar name first."""
     similar = {each: _similarity(topic, each.name) for each in topics}
     return sorted((each for each in topics if similar[each] >= SIMILAR), key=lambda each: -similar[each])
 
 
 def _similarity(one: str, other: str) -> float:
-    """Return how similar two names are: at least `SIMILAR` if the last part of one contains that of the other.
+    """Return how similar two names are: at least `SIMILAR` if the last part of one name contains that of the other.
 
-    Case, ``_`` and the ``s`` of a plural don't count.
+    Case, ``_`` and the ``s`` of a plural are ignored.
     """
     first, second = (re.sub(r"_|s(?=/|$)", "", name.lower()) for name in (one, other))
     ratio = SequenceMatcher(None, first, second).ratio()
@@ -290,7 +290,7 @@ def _nobody(facts: Facts) -> Found | None:
 
 
 def _elsewhere(facts: Facts) -> str:
-    """Return which other domains were searched: all of 0 to 10, unless the user named some."""
+    """Name the other domains that were searched: 0 to 10, unless the user specified some."""
     looked = facts.looked_into
     if len(looked) > MOST:
         return f", nor in the domains {looked[0]} to {looked[-1]}"

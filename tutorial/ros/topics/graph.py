@@ -35,7 +35,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
 
     Args:
         node: the node that queries the graph; it must be spinning on another thread.
-        wanted: returns whether the requested entity is there; if not, wait a little longer.
+        wanted: returns whether the requested entity has been discovered; if not, the function waits a little longer.
         timeout: maximum wait [s].
 
     Returns:
@@ -58,7 +58,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
 
 
 def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
-    """Return how many reads have to agree.
+    """Return how many consecutive reads of the graph must give the same result.
 
     The pocket ROS 2 knows which participants have not announced everything. With a real rclpy, a name may be missing
     because a program that uses DDS without ROS 2 never announces it, and Fast DDS may not have found any program yet.

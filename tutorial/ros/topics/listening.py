@@ -1,6 +1,6 @@
-"""Show what arrives on a topic, with the output of ``ros2 topic echo`` and ``ros2 topic hz`` as text.
+"""Show the messages that arrive on a topic, with the output of ``ros2 topic echo`` and ``ros2 topic hz`` as text.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. These functions print nothing.
 """
 
 import asyncio
@@ -40,13 +40,13 @@ async def topic_echo(
 ) -> AsyncGenerator[str, None]:
     """Yield the messages of a topic as text, like ``ros2 topic echo``.
 
-    The subscription lives as long as the iteration: end it with `contextlib.aclosing`, or by cancelling the task.
+    The subscription exists as long as the iteration: end the iteration with `contextlib.aclosing`, or cancel the task.
 
     Args:
         node: the node that subscribes; it must be spinning on another thread.
         topic: its name; if it does not exist, wait for it briefly.
-        message_type: such as ``"sensor_msgs/msg/Joy"``; then subscribe even if the topic does not exist yet, or has
-            several types. None for the topic's own type.
+        message_type: the type to subscribe with, such as ``"sensor_msgs/msg/Joy"``, even if the topic does not exist
+            yet or has several types. None for the topic's type.
         once: stop after the first message instead of continuing forever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show only the type and length of each array.
@@ -80,7 +80,7 @@ async def topic_hz(
 
     Args:
         node: the node that subscribes; it must be spinning on another thread. If it uses simulated time, intervals are
-            measured in it.
+            measured in simulated time.
         topic: its name; if it does not exist, wait for it briefly, then yield a warning and keep waiting.
         window: the number of recent intervals to average over.
         timeout: maximum wait for the topic, and then for each message [s]; None to wait forever.
@@ -123,7 +123,7 @@ async def _messages(
         kind: the class of the messages.
         topic: its full name.
         timeout: maximum wait for each message [s]; None to wait forever.
-        times_only: yield None instead of each message, and don't decode it; the queue holds up to 10,000 of them.
+        times_only: yield None instead of each message, and don't decode it; the queue holds up to 10,000 messages.
 
     Raises:
         TutorialError: no message arrived in time.
@@ -181,7 +181,7 @@ def _type_of(node: Node, topic: str) -> str | None:
     """Return the type of a topic; None if there is no such topic.
 
     Raises:
-        TutorialError: it has several types.
+        TutorialError: the topic has several types.
     """
     types = dict(node.get_topic_names_and_types()).get(topic, [])
     if len(types) > 1:

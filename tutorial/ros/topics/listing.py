@@ -1,7 +1,7 @@
 """List nodes and topics, and describe a topic, as ``ros2 node list``, ``topic list`` and ``topic info`` do.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names are escaped with
-`escape_name`; ``ros2`` prints them unchanged.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. These functions print nothing. Names are
+escaped with `escape_name`; ``ros2`` prints them unchanged.
 """
 
 from rclpy.duration import Duration, Infinite

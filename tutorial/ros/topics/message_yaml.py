@@ -32,7 +32,7 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
         no_arr: write only the type and length of each array.
 
     Returns:
-        Lines, all of which end in a line break, even the last one.
+        Lines that all end in a line break, including the last line.
     """
     plain = _plain(message, no_arr)
     text = yaml.dump(
@@ -44,8 +44,8 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
 def field_text(message: Any, field: str | None = None, no_arr: bool = False) -> str:
     """Write a message, or a field of it, as ``ros2 topic echo`` does, with the closing ``---``.
 
-    A field that is not a message is written as Python shows it, and a string line by line, with escapes for invisible
-    characters.
+    A field that is not a message is written as Python shows it. A string is written line by line, with escapes for
+    invisible characters.
 
     Args:
         message: a message of any type.

@@ -1,6 +1,6 @@
 """Handle the names of nodes, topics and message types, including names that ROS 2 does not allow.
 
-ROS 2 checks the names that its own programs use. A program that uses DDS without ROS 2 can call a topic ``//x``, and
+ROS 2 checks the names that its own programs use. A program that uses DDS without ROS 2 can call a topic ``//x`` and
 give any name to a node or a type.
 """
 
@@ -41,7 +41,7 @@ def escape_name(name: str) -> str:
 
 
 def is_valid_topic(name: str) -> bool:
-    """Return whether a topic's full name follows the rules of ROS 2, whose queries refuse any other name."""
+    """Return whether a topic's full name follows the rules of ROS 2, whose queries reject any other name."""
     from rclpy.exceptions import NameValidationException
     from rclpy.validate_full_topic_name import validate_full_topic_name
 
@@ -56,7 +56,7 @@ def full_topic(node: Node, topic: str) -> str:
 
     Args:
         node: the node.
-        topic: a user's name for it, such as ``"joy"`` or ``"/joy"``.
+        topic: the topic's name as a user writes it, such as ``"joy"`` or ``"/joy"``.
 
     Raises:
         TutorialError: the name breaks the naming rules; the error text is the same as in ROS 2.
@@ -125,7 +125,7 @@ def _interface(type_name: str, part: str) -> Any:
 
 
 def _has_part(package: str, part: str) -> bool:
-    """Return whether a package has a part such as ``msg``, without importing it, which would run any package's code."""
+    """Return whether a package has a part such as ``msg``. Don't import the package, because its code would run."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

@@ -39,7 +39,7 @@ class Populated(NamedTuple):
 def populated(type_name: str, text: str) -> Populated:
     """Make a message and fill it with values.
 
-    As with ``ros2 topic pub``, a header can be given as ``auto``, and a stamp as ``now``: both get the time of
+    As with ``ros2 topic pub``, a header can be given as ``auto``, and a stamp as ``now``: both are set to the time of
     publication.
 
     Args:
@@ -99,7 +99,7 @@ def _checked(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
 def _filled(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
     """Make a message from a dictionary, and append to ``stampers`` the functions that set its stamps.
 
-    The message itself checks the values. Without a list of stampers, there are no abbreviations for stamps.
+    The message itself checks the values. Without a list of stampers, abbreviations for stamps are not accepted.
     """
     if not isinstance(values, dict):
         raise _no_dictionary(values)

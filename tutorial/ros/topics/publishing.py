@@ -1,6 +1,6 @@
 """Publish one message repeatedly, with the output of ``ros2 topic pub`` as text.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. The function prints nothing.
 """
 
 import asyncio

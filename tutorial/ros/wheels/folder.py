@@ -1,7 +1,7 @@
 """The folder with the real ROS 2: find it, check it, and make its rclpy importable.
 
-Installed into the environment itself, these wheels would overwrite files of JupyterLab's ``lark``, and start every
-interpreter twice. In a folder of their own, they affect only programs that request them.
+If these wheels were installed into the environment itself, they would overwrite files of JupyterLab's ``lark`` and
+start every interpreter twice. In a separate folder, they affect only programs that request them.
 """
 
 import os
@@ -41,7 +41,7 @@ NOT_ON_PYPI = ("example_interfaces", "launch", "launch_ros", "message_filters", 
 
 
 def prefix() -> Path:
-    """Return the folder: in the checkout, or in the user's data folder where the tutorial is installed."""
+    """Return the folder: in the checkout or, if the tutorial is installed, in the user's data folder."""
     if is_course(PACKAGE.parent):
         return PACKAGE.parent / ".ros2" / TAG
     given = Path(os.environ.get("XDG_DATA_HOME", ""))
@@ -50,7 +50,7 @@ def prefix() -> Path:
 
 
 def site_packages(folder: Path) -> Path:
-    """Return the part of a folder that belongs on Python's path."""
+    """Return the subfolder that must be on Python's path."""
     return folder / "lib" / PYTHON / "site-packages"
 
 
@@ -84,10 +84,10 @@ def check() -> None:
 
 
 def activate() -> None:
-    """Let ``import rclpy`` find the folder's rclpy in this process, and keep its nodes on this machine.
+    """Let ``import rclpy`` find the folder's rclpy in this process, and limit discovery to this machine.
 
-    By default a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's tank.
-    `fastdds.xml` explains Fast DDS's settings. A user's own settings take precedence. Child processes inherit all
+    By default, a real ROS 2 discovers nodes in the whole local network, but a learner must not drive a neighbour's
+    tank. `fastdds.xml` explains Fast DDS's settings. A user's own settings take precedence. Child processes inherit all
     settings.
     """
     sys.path.append(str(site_packages(prefix())))
@@ -99,7 +99,7 @@ def explain_missing(module: str) -> None:
     """Explain where to get a module that many programs import and the folder lacks.
 
     Raises:
-        TutorialError: the folder lacks it.
+        TutorialError: the folder lacks the module.
     """
     if module == "tf2_msgs":
         raise TutorialError(NO_TF2_MSGS)

@@ -1,7 +1,7 @@
 """Fill the folder with wheels from PyPI, or remove it.
 
-pip, or uv where there is no pip, downloads the wheels and checks their hashes. The folder counts as complete only after
-an interpreter has imported rclpy from it.
+pip, or uv where there is no pip, downloads the wheels and checks their hashes. The folder is considered complete only
+after an interpreter has imported rclpy from it.
 """
 
 import os
@@ -46,7 +46,7 @@ def install(report: Report) -> None:
 
 
 def remove() -> None:
-    """Remove the folder and what an interrupted installation has left behind.
+    """Remove the folder and anything that an interrupted installation has left behind.
 
     Raises:
         TutorialError: the folder cannot be removed.
@@ -59,15 +59,15 @@ def remove() -> None:
 
 
 def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], None] = lambda _: None) -> None:
-    """Fill a folder with the wheels of a list, unless it already has them. Its previous content is removed.
+    """Fill a folder with the wheels in a list, unless it already has them. Its previous content is removed.
 
-    After an interruption the folder is incomplete, and the next call reuses finished downloads.
+    After an interruption, the folder is incomplete, and the next call reuses finished downloads.
 
     Args:
         target: the folder.
         wheels: the list, with versions and hashes. Dependencies that are not listed are not installed.
         report: called repeatedly with the progress.
-        prepare: called with the folder before it counts as complete.
+        prepare: called with the folder before it is marked as complete.
 
     Raises:
         TutorialError: the wheels could not be installed; the error says what to do.
@@ -122,7 +122,7 @@ def run(
 
 
 def last_line(output: str) -> str:
-    """Return the last line of a command's output, where most commands say why they failed."""
+    """Return the last line of a command's output, in which most commands explain why they failed."""
     last = (output.strip().splitlines() or ["no reason was given"])[-1]
     return re.sub(r"^\s*(error|cause): ", "", last, flags=re.IGNORECASE).rstrip(".")
 

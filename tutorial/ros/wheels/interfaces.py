@@ -135,7 +135,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
 
 
 def _environment(prefix: Path, tools: Path) -> dict[str, str]:
-    """Return the environment variables for a process that finds both folders, and no other ROS 2."""
+    """Return the environment variables with which a process finds both folders but no other ROS 2."""
     own = {variable: value for variable, value in os.environ.items() if not variable.startswith(FOREIGN)}
     path = f"{tools}{os.pathsep}{prefix}"
     modules = f"{folder.site_packages(tools)}{os.pathsep}{folder.site_packages(prefix)}"

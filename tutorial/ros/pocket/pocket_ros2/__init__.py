@@ -1,6 +1,6 @@
 """The pocket ROS 2: ``rclpy``, ``launch`` and the messages of ROS 2 Jazzy where no ROS 2 is installed.
 
-``import pocket_ros2`` makes them importable, unless there is a real ``rclpy``, which takes precedence.
+``import pocket_ros2`` makes them importable, unless a real ``rclpy`` is installed, which takes precedence.
 """
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ PATH = Path(__file__).parent / "packages"
 
 
 def install(*, first: bool = False) -> bool:
-    """Make ``import rclpy``, ``import launch`` and the messages work where there is no real rclpy.
+    """Make rclpy, launch and the message packages importable if no real rclpy is installed.
 
     A broken real rclpy is not hidden: importing it raises its own error.
 
     Args:
-        first: hide a real rclpy, if there is one. Call this before importing anything from ROS 2.
+        first: hide a real rclpy, if one is installed. In this case, call this function before you import anything from
+            ROS 2.
 
     Returns:
         Whether the pocket ROS 2 is in use.
@@ -42,7 +43,7 @@ def uninstall() -> bool:
     """Undo `install`, so that a real rclpy can be imported instead.
 
     Returns:
-        Whether this was possible. If anything from the pocket ROS 2 has already been imported, nothing changes.
+        Whether this was possible. If a part of the pocket ROS 2 has already been imported, nothing changes.
     """
     if "_rosidl.message" in sys.modules:  # pocket's rclpy imports it, too
         return False

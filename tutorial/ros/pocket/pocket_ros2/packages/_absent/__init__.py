@@ -1,4 +1,4 @@
-"""Reject imports of modules that only a real ROS 2 has, with an error that explains this."""
+"""Reject imports of modules that only a real ROS 2 has, with an error that explains the reason."""
 
 import json
 import sys
@@ -39,7 +39,7 @@ class _NotHere(Exception):  # noqa: N818  (a mixin)
 class NeedsRealROSError(_NotHere, ModuleNotFoundError):
     """Raised for anything that the pocket ROS 2 does not have.
 
-    Most programs get it on an import, where they expect a ModuleNotFoundError.
+    Most programs encounter it on an import, where they expect a ModuleNotFoundError.
     """
 
     __module__ = "rclpy.exceptions"  # where programs import it from
@@ -54,7 +54,7 @@ class AbsentAttributeError(_NotHere, AttributeError):
 class AbsentModules(MetaPathFinder):
     """Rejects imports of modules that only a real ROS 2 has.
 
-    It belongs at the end of ``sys.meta_path``. It never hides a module that another finder finds.
+    Insert it at the end of ``sys.meta_path``. It never hides a module that another finder finds.
 
     Args:
         names: full names of the modules.
@@ -105,7 +105,7 @@ def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
 
 
 def _hint(name: str) -> str:
-    """Return a sentence that says where else to get a module, or ``""`` if PyPI does not have it."""
+    """Return a sentence that explains where else to get a module, or ``""`` if PyPI does not have it."""
     is_there = name.partition(".")[0] in IN_WHEELS or name.endswith((".srv", ".action"))
     return FROM_PYPI if is_there else ""
 

@@ -1,7 +1,7 @@
 """Decode messages from CDR bytes.
 
-The first use of a message type compiles a decoder for it. Each field becomes one line of code, which puts the value
-straight into the message's slot. The code compares a length with the available bytes before it allocates memory.
+The first use of a message type compiles a decoder for it. Each field becomes one line of code, which stores the value
+directly in the message's slot. The code compares a length with the available bytes before it allocates memory.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
 
 
 def string(data: memoryview, at: int, count: int) -> str:
-    """Return a string of ``count`` bytes, including its final zero byte."""
+    """Return a string that occupies ``count`` bytes, including its final zero byte."""
     if not 0 < count <= len(data) - at or data[at + count - 1]:
         raise ValueError(f"no string ends after {count} bytes")
     return str(data[at : at + count - 1], "utf-8")
 
 
 def numbers(data: memoryview, at: int, code: str, count: int) -> tuple[array[Any], int]:
-    """Return an array of ``count`` numbers, and the offset where it ends."""
+    """Return an array of ``count`` numbers and the offset at which it ends."""
     values = array(code)
     end = at + count * values.itemsize
     if end > len(data):
@@ -67,7 +67,7 @@ def numbers(data: memoryview, at: int, code: str, count: int) -> tuple[array[Any
 
 @cache
 def _decoder(type_name: str, order: str) -> Callable[[memoryview, int], tuple[Message, int]]:
-    """Return a function that reads a message of a type, and returns it with the offset where it ends."""
+    """Return a function that reads a message of a type, and returns it with the offset at which it ends."""
     fields = definition(type_name).wire_fields
     names: dict[str, Any] = {**globals(), "Type": message_class(type_name), "new": object.__new__}
     names |= {f"unpack_{base}": Struct(order + code).unpack_from for base, code in CODES.items()}

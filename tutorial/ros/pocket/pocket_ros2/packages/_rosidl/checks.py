@@ -70,7 +70,7 @@ def _many(field: Field, element: type) -> Check:
 
 
 def _kept(field: Field, kept: Container) -> Iterator[Check]:
-    """Yield the checks for a value in the field's own kind of container, which can hold only valid numbers."""
+    """Yield the checks for a value in the container that the field uses, which can hold only valid numbers."""
     default = kept.default()
     if isinstance(default, np.ndarray):
         dtype = default.dtype

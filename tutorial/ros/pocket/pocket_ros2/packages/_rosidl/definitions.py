@@ -1,7 +1,8 @@
 """Definitions of the messages in ROS 2 Jazzy's common interfaces.
 
 They are in ``jazzy.json``, which the tests' ``support/record_definitions.py`` writes from rosbags' store. Reading the
-store itself would cost every program 0.1 s, because that creates the classes of all distributions up to Jazzy.
+store directly would take 0.1 s in every program, because the store creates the classes of all distributions up to
+Jazzy.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 
 
 class Cardinality(Enum):
-    """How many values a field holds. In the common interfaces, only fields of numbers have a fixed size."""
+    """How many values a field holds. In the common interfaces, only numeric fields have a fixed size."""
 
     SCALAR = "one"
     ARRAY = "a fixed number"
@@ -41,7 +42,7 @@ class Field:
         name: its name in the .msg file.
         base: a primitive such as ``"float64"``, or a message such as ``"std_msgs/msg/Header"``.
         cardinality: one value, a fixed number, or any number.
-        size: length of an array, maximum length of a sequence (0: unbounded).
+        size: length of an array, or maximum length of a sequence (0: unbounded).
         string_bound: maximum length of a string (0: unbounded).
     """
 
@@ -58,7 +59,7 @@ class Field:
 
     @property
     def is_octet_array(self) -> bool:
-        """Whether the field is a fixed number of uint8: a numpy array for programs, bytes on the wire."""
+        """Whether the field is a fixed number of uint8 values: a numpy array in programs, bytes on the wire."""
         return self.cardinality is Cardinality.ARRAY and self.base == "uint8"
 
     @property

@@ -1,7 +1,7 @@
-"""An import finder for ``std_msgs.msg``, ``sensor_msgs.msg`` and all other message packages.
+"""An import finder for all message packages, such as ``std_msgs.msg`` and ``sensor_msgs.msg``.
 
-As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. The finder makes each class on
-first use.
+As in a real installation, ``sensor_msgs.msg.Joy`` is defined in ``sensor_msgs.msg._joy``. The finder makes each class
+on first use.
 """
 
 import re
@@ -28,10 +28,10 @@ class InterfaceFinder(MetaPathFinder, Loader):
     """Finds and loads ``PACKAGE``, ``PACKAGE.msg`` and ``PACKAGE.msg._some_message``."""
 
     def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
-        """Return a spec for a message package or a module inside one, and None for everything else.
+        """Return a spec for a message package or a module in a message package; None for anything else.
 
         Raises:
-            ImportError: there is no such message, but there is one with a similar name.
+            ImportError: there is no such message, but there is a message with a similar name.
         """
         package, *rest = fullname.split(".")
         names = _message_names(package) if package.endswith(PACKAGE_SUFFIXES) else {}

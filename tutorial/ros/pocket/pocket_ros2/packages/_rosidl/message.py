@@ -91,7 +91,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
 
 def message_class(type_name: str) -> type[Message]:
-    """Return the class of a message type. It is imported, so that each type has only one class.
+    """Return the class of a message type. The class is imported, so that each type has only one class.
 
     Args:
         type_name: its name, such as ``"sensor_msgs/msg/Joy"``.

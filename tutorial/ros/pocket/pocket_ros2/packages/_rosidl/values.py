@@ -19,7 +19,7 @@ class Primitive(NamedTuple):
     Attributes:
         idl: its name in IDL, which ``get_fields_and_field_types()`` returns.
         python: the Python type of a value.
-        code: the type code of ``array.array`` for sequences and of the dtype for arrays; "" if it isn't a number.
+        code: the type code of ``array.array`` for sequences and of the dtype for arrays; "" if the type is not numeric.
         limits: minimum and maximum of a number.
     """
 
@@ -30,7 +30,7 @@ class Primitive(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """The term that ROS 2's checks use for a number of this type."""
+        """The word that ROS 2's checks use for a number of this type."""
         return self.idl if self.python is float else "integer" if self.limits[0] else "unsigned integer"
 
     def holds(self, number: Any) -> bool:
@@ -55,8 +55,8 @@ class Container(NamedTuple):
 
     Attributes:
         kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number of values.
-        make: converts values to the container; copies a container.
-        default: returns an empty container, or one with zeros.
+        make: converts values to the container; a container is copied.
+        default: returns an empty container or a container of zeros.
     """
 
     kind: type

@@ -17,8 +17,8 @@ class ExecuteProcess:
     Attributes:
         cmd: the program and its arguments.
         name: the process's name in the output.
-        cwd: the directory to start the process in.
-        env: the complete environment; None inherits the launcher's.
+        cwd: the directory in which to start the process.
+        env: the complete environment; None inherits the launcher's environment.
         additional_env: variables to add to the environment.
         output: where the process's output goes, such as ``"screen"``.
         shell: run the command in a shell.

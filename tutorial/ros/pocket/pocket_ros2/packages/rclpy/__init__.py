@@ -1,7 +1,7 @@
 """The pocket ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, on Cyclone DDS.
 
-It communicates with real ROS 2 programs: topic names, types, quality of service and node graph are the same. Using
-anything that is missing raises ``rclpy.exceptions.NeedsRealROSError``.
+It communicates with programs that use a real ROS 2: topic names, types, quality of service and node graph are the same.
+Any use of a missing part raises ``rclpy.exceptions.NeedsRealROSError``.
 """
 
 from collections.abc import Iterator, Sequence
@@ -40,9 +40,10 @@ def init(
 
     Args:
         args: the command line; None uses ``sys.argv``.
-        context: the context to start; None uses the default one.
+        context: the context to start; None uses the default context.
         domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0 if that is not set.
-        signal_handler_options: signals that shut ROS 2 down; None means all of them if the context is the default one.
+        signal_handler_options: signals that shut ROS 2 down; None means all of them if the context is the default
+            context.
 
     Raises:
         RuntimeError: the context has already been started.
@@ -67,7 +68,7 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     """Shut ROS 2 down.
 
     Args:
-        context: the context to shut down; None uses the default one.
+        context: the context to shut down; None uses the default context.
         uninstall_handlers: restore the previous signal handlers; None restores them for the default context.
 
     Raises:
@@ -91,7 +92,7 @@ def spin(node: Node, executor: Executor | None = None) -> None:
 
     Args:
         node: the node.
-        executor: the executor to use; None uses the global one.
+        executor: the executor to use; None uses the global executor.
     """
     with _running(node, executor) as running:
         running.spin()
@@ -102,7 +103,7 @@ def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: floa
 
     Args:
         node: the node.
-        executor: the executor to use; None uses the global one.
+        executor: the executor to use; None uses the global executor.
         timeout_sec: how long to wait [s]; None or a negative number waits forever.
     """
     with _running(node, executor) as running:
@@ -117,7 +118,7 @@ def spin_until_future_complete(
     Args:
         node: the node.
         future: the future.
-        executor: the executor to use; None uses the global one.
+        executor: the executor to use; None uses the global executor.
         timeout_sec: how long to wait [s]; None or a negative number waits forever.
     """
     with _running(node, executor) as running:
@@ -135,7 +136,7 @@ def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
 
 
 def _end(shut_down: Any, context: Context | None, uninstall_handlers: bool | None) -> None:
-    """Shut down the global executor, then the context. Don't wait for callbacks: the caller may be one."""
+    """Shut down the global executor, then the context. Don't wait for callbacks: the caller may be a callback."""
     global _executor  # noqa: PLW0603
     default = context is None or context is get_default_context()
     with _lock:

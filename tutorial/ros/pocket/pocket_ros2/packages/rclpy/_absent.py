@@ -29,7 +29,7 @@ def install() -> None:
 class AbsentAttribute:
     """Placeholder in a class for an attribute that only a real rclpy has.
 
-    A ``__getattr__`` in the class would work, too, but would slow down the lookup of all attributes.
+    A ``__getattr__`` in the class would also work, but it would slow down the lookup of all attributes.
     """
 
     def __init__(self, name: str) -> None:

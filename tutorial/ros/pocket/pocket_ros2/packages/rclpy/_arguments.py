@@ -43,10 +43,10 @@ class Arguments:
     """The ROS arguments of a process or a node.
 
     Attributes:
-        remappings: in the given order; the first one that matches applies.
-        parameters: in the given order; the last one that matches applies.
-        log_levels: severities by logger name; "" is the default of all loggers.
-        disabled_logs: outputs that get no log lines, such as ``"rosout"`` and ``"stdout"``.
+        remappings: the remapping rules in the given order; the first rule that matches applies.
+        parameters: the parameter rules in the given order; the last rule that matches applies.
+        log_levels: severities by logger name; "" gives the default for all loggers.
+        disabled_logs: outputs that receive no log lines, such as ``"rosout"`` and ``"stdout"``.
         log_configuration: path of a file that configures logging, which Jazzy cannot read; "" if not given.
         enclave: the security enclave's name.
     """
@@ -80,12 +80,12 @@ class Arguments:
         return arguments
 
     def node_value(self, node: str, name: str) -> str | None:
-        """Return what a node's ``__node`` or ``__ns`` is remapped to, or None if it is not remapped."""
+        """Return the new value of a node's ``__node`` or ``__ns``, or None if it is not remapped."""
         names = (name, "__name") if name == "__node" else (name,)
         return next((rule.value for rule in self.remappings if rule.node in ("", node) and rule.name in names), None)
 
     def topic(self, full_name: str, node: str, namespace: str) -> str | None:
-        """Return what a topic is remapped to, or None if it is not remapped.
+        """Return a topic's new name, or None if the topic is not remapped.
 
         Args:
             full_name: the topic's full name.
@@ -103,7 +103,7 @@ class Arguments:
         return ((rule.name, rule.value) for rule in self.parameters if rule.node in ("", node))
 
     def check_enclave(self) -> None:
-        """Check the enclave's name. It has no other effect here.
+        """Check the enclave's name, which has no other effect here.
 
         Raises:
             RCLError: the name breaks the naming rules.

@@ -58,10 +58,10 @@ _forked = False
 
 
 class Payload:
-    """CDR bytes going into or out of Cyclone DDS, which handles this class like one of its own structs.
+    """CDR bytes that pass into or out of Cyclone DDS, which handles this class like one of its structs.
 
     A received message is therefore decoded only where it is needed, on any thread, and a malformed message does not
-    affect later ones.
+    affect later messages.
     """
 
     __slots__ = ("data", "sample_info")
@@ -319,11 +319,11 @@ class Participant:
         return [*filter(None, self._listed(topic, read))]
 
     def leave(self) -> None:
-        """Close the participant and its entities. If it is the process's last one, also free ports and threads.
+        """Close the participant and its entities. If it is the last in the process, also free ports and threads.
 
-        Don't delete its entities first. Cyclone DDS's Python package frees a message type with its last topic. However,
-        a domain reads the type of its first message, an announcement of nodes, until the domain itself is deleted
-        (``serdata_eqkey`` in its C code). A participant deletes its topics last.
+        Don't delete its entities first. Cyclone DDS's Python package frees a message type when its last topic is
+        deleted. However, a domain reads the type of its first message, an announcement of nodes, until the domain
+        itself is deleted (``serdata_eqkey`` in its C code). A participant deletes its topics last.
         """
         with lock:
             close(self.dds)
@@ -333,10 +333,10 @@ class Participant:
     def _listed(self, topic: Any, read: Callable[[Any], Entry]) -> list[Entry]:
         """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
-        Cyclone DDS only lends the entries, so ``read`` must not keep them. The reader exists only during the call,
-        because deleted endpoints would pile up in it. The lock allows one call at a time in the whole process, partly
-        because cyclonedds stores the policies that it is converting in class variables. Its own ``read`` would convert
-        the policies of all entries, and replace Ctrl-C with an exception of its own.
+        Cyclone DDS only lends the entries, so ``read`` must not store them. The reader exists only during the call,
+        because deleted endpoints would accumulate in it. The lock allows one call at a time in the whole process,
+        partly because cyclonedds stores the policies that it is converting in class variables. cyclonedds's ``read``
+        function would convert the policies of all entries, and replace Ctrl-C with a different exception.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()
@@ -356,8 +356,8 @@ def join(domain_id: int) -> Participant:
 
     Raises:
         RCLError: too many processes on this machine have joined, the loopback interface is down, Cyclone DDS cannot
-            start, or this process was forked from one that had joined.
-        RuntimeError: the installed version of cyclonedds is not the verified one.
+            start, or this process was forked from a process that had joined.
+        RuntimeError: the installed version of cyclonedds is not the verified version.
     """
     _check_version()
     if _forked:
@@ -416,8 +416,8 @@ def _guids(gids: Sequence[Gid]) -> list[bytes]:
 def close(entity: core.Entity) -> None:
     """Delete an entity now.
 
-    Cyclone DDS's Python objects do this in their finaliser, which is safe to run early and more than once. Without this
-    call, it would run only once the last reference is gone.
+    Cyclone DDS's Python objects delete the entity in their finaliser, which can safely run early and more than once.
+    Without this call, the finaliser would run only once the last reference is gone.
     """
     with lock:
         entity.__del__()

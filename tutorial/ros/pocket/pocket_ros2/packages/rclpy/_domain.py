@@ -1,6 +1,7 @@
 """The DDS domain to join, with limits on who can discover this process.
 
-By default, nobody outside this machine can discover it, so that students in one room don't drive each other's tanks.
+By default, nobody outside this machine can discover the process, so that students in one room don't drive each other's
+tanks.
 """
 
 import errno
@@ -43,10 +44,10 @@ def configuration() -> str:
 
     ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here), SUBNET or SYSTEM_DEFAULT, which leaves
     everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. ``CYCLONEDDS_URI`` is
-    added to this configuration, as in ROS 2's own use of Cyclone DDS.
+    added to this configuration, as when ROS 2 uses Cyclone DDS.
 
     Raises:
-        RCLError: the range is not one of these, or a peer cannot be found.
+        RCLError: the range is not one of these values, or a peer cannot be found.
     """
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") or "LOCALHOST"
     peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
@@ -87,7 +88,7 @@ def _discovery(reach: str, peers: list[str]) -> str:
 
 
 def likely_cause(error: Exception) -> str:
-    """Return the most likely cause of an error when joining the domain: Cyclone DDS itself only gives a number."""
+    """Return the most likely cause of an error in joining the domain: Cyclone DDS itself returns only a number."""
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (

@@ -20,7 +20,7 @@ class Endpoint(Destroyable):
     """Base class of :class:`Publisher` and :class:`Subscription`; can be used from any thread.
 
     Args:
-        node: the node that it belongs to.
+        node: the endpoint's node.
         msg_type: the class of its messages.
         topic: the topic's name, as the program gives it.
         qos_profile: its QoS.
@@ -58,7 +58,8 @@ class Endpoint(Destroyable):
     def destroy(self) -> None:
         """Destroy the endpoint. Idempotent. Messages that are waiting for a callback are dropped.
 
-        As in rclpy, the node still lists it. A real rclpy's executors fail on such a node, so a warning is logged once.
+        As in rclpy, the node still lists the endpoint. A real rclpy's executors fail on such a node, so a warning is
+        logged once.
         """
         if self._node._remove(self, keep=True) and self._node.context.ok():
             kind = self._noun
@@ -85,7 +86,7 @@ class Endpoint(Destroyable):
             self._node.get_logger().warning(text)
 
     def _count_matched(self, what: str) -> int:
-        """Return the number of matched partners, which an error message calls ``what``."""
+        """Return the number of matched partners; an error message calls them ``what``."""
         self._require_handle()
         try:
             return self._wire.count_matched()

@@ -1,6 +1,6 @@
 """The node graph: nodes, and the publishers and subscriptions on topics.
 
-DDS knows participants, writers and readers, not nodes. In ROS 2 every participant publishes its nodes and their
+DDS knows participants, writers and readers, but not nodes. In ROS 2, every participant publishes its nodes and their
 endpoints on the topic ``ros_discovery_info``, and repeats the whole list on each change.
 """
 
@@ -47,7 +47,7 @@ class Graph:
         self.changes = participant.create_reader(TOPIC, TYPE_NAME, READER_PROFILE, ignore_own=True)
 
     def add_node(self, namespace: str, name: str) -> NodeInfo:
-        """Announce a node of this process, and return the entry that stands for it in the other methods."""
+        """Announce a node of this process, and return the entry that represents it in the other methods."""
         node = NodeInfo(namespace, name)
         with lock:
             self._local.append(node)
@@ -55,13 +55,13 @@ class Graph:
         return node
 
     def remove_node(self, node: NodeInfo) -> None:
-        """Announce that a node was removed."""
+        """Announce that a node has been removed."""
         with lock:
             self._local = [other for other in self._local if other is not node]
             self._announce()
 
     def set_endpoints(self, node: NodeInfo, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
-        """Announce a node's writers and readers, by their identifiers."""
+        """Announce the identifiers of a node's writers and readers."""
         with lock:
             node.writers, node.readers = [*writers], [*readers]
             self._announce()
@@ -97,9 +97,9 @@ class Graph:
             return not self._unread and not unknown and owned <= found
 
     def listen(self) -> None:
-        """Take new announcements, and drop participants that have left: a killed process announces nothing.
+        """Receive new announcements, and drop participants that have left: a killed process announces nothing.
 
-        The executor calls this regularly, because announcements would pile up in a program that never queries the
+        The executor calls this regularly, because announcements would accumulate in a program that never queries the
         graph. Only a query decodes them, and only the newest one of each participant.
         """
         with lock:

@@ -21,7 +21,7 @@ NODE_NAME, TOPIC_NAME, FULL_TOPIC_NAME, NAMESPACE = RULES.values()
 
 
 def problem(rules: Rules, name: str) -> tuple[str, int] | None:
-    """Return the error in a name and its index, or None if the name is valid."""
+    """Return the error in a name and the error's index, or None if the name is valid."""
     for group in rules:
         matches = ((re.search(pattern, name, re.DOTALL), text) for pattern, text in group)
         if found := [(match.start(1), text) for match, text in matches if match]:
@@ -55,7 +55,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
 
     Raises:
         InvalidTopicNameException: the name breaks the naming rules.
-        InvalidServiceNameException: the name breaks the naming rules, and is the name of a service.
+        InvalidServiceNameException: the name of a service breaks the naming rules.
     """
     return _valid(TOPIC_NAME, name, InvalidServiceNameException if is_service else InvalidTopicNameException)
 

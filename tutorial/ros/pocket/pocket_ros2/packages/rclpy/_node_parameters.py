@@ -1,4 +1,4 @@
-"""A node's own parameters. Other nodes cannot access them, because that needs services."""
+"""A node's own parameters. Other nodes cannot access them, because the pocket ROS 2 has no services."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -32,7 +32,8 @@ EMPTIED = (
 class NodeParameters:
     """The part of a node that handles parameters.
 
-    Each change is published on ``/parameter_events``. Callbacks run in reverse order: the one added last runs first.
+    Each change is published on ``/parameter_events``. Callbacks run in reverse order: the callback added last runs
+    first.
     """
 
     PARAM_REL_TOL = TOLERANCE
@@ -73,7 +74,7 @@ class NodeParameters:
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: ParameterDescriptor | None = None, ignore_override: bool = False
     ) -> Parameter:
-        """Declare a parameter; a value on the command line takes precedence over the one given here.
+        """Declare a parameter; a value on the command line takes precedence over ``value``.
 
         Args:
             name: the parameter's name.
@@ -97,12 +98,13 @@ class NodeParameters:
 
         Args:
             namespace: prefix of each name, followed by a dot unless it is empty.
-            parameters: a tuple for each: its name, its value or type, and its descriptor. The last two are optional.
+            parameters: a tuple for each parameter: its name, its value or type, and its descriptor. The last two
+                elements are optional.
             ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             TypeError: a tuple is too long or empty, or an element has the wrong type.
-            ParameterAlreadyDeclaredException: one has already been declared, so this call declares none of them.
+            ParameterAlreadyDeclaredException: a parameter has already been declared; this call declares none of them.
             InvalidParameterTypeException: the command line's value is of a different type.
             InvalidParameterValueException: a descriptor or a callback rejects a value; earlier parameters stay
                 declared.
@@ -114,7 +116,7 @@ class NodeParameters:
 
         Raises:
             ParameterNotDeclaredException: the parameter has not been declared.
-            ParameterImmutableException: it is read-only.
+            ParameterImmutableException: the parameter is read-only.
         """
         if name not in self._parameters:
             raise exceptions.ParameterNotDeclaredException(name)
@@ -127,11 +129,11 @@ class NodeParameters:
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
-        """Return a parameter. If it is unknown and the node allows undeclared ones, it has no value.
+        """Return a parameter. If it is unknown and undeclared parameters are allowed, it has no value.
 
         Raises:
             ParameterNotDeclaredException: the parameter has not been declared.
-            ParameterUninitializedException: it has been declared with only a type, and has no value.
+            ParameterUninitializedException: the parameter has been declared with only a type, and has no value.
         """
         if name not in self._parameters:
             self._require_undeclared_allowed(name)
@@ -157,7 +159,7 @@ class NodeParameters:
         return parameter
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
-        """Return the parameters under a prefix, by the rest of their names. An empty prefix returns all of them."""
+        """Return the parameters under a prefix, keyed by the rest of their names. An empty prefix returns all."""
         start = prefix + PARAMETER_SEPARATOR_STRING if prefix else ""
         return {
             name.removeprefix(start): parameter
@@ -230,11 +232,11 @@ class NodeParameters:
         Args:
             name: the parameter's name.
             descriptor: the new descriptor; its name is ignored.
-            alternative_value: value to set if the new descriptor rejects the current one.
+            alternative_value: value to set if the new descriptor rejects the current value.
 
         Raises:
             ParameterNotDeclaredException: the parameter has not been declared.
-            ParameterImmutableException: it is read-only.
+            ParameterImmutableException: the parameter is read-only.
             InvalidParameterValueException: the descriptor rejects both values.
         """
         parameter = self.get_parameter(name)
@@ -251,10 +253,10 @@ class NodeParameters:
         return parameter.get_parameter_value()
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Set parameters one by one, and return for each whether it was set and, if not, why.
+        """Set parameters one by one, and return for each parameter whether it was set and, if not, the reason.
 
         Raises:
-            ParameterNotDeclaredException: a parameter has not been declared; earlier ones stay set.
+            ParameterNotDeclaredException: a parameter has not been declared; earlier parameters stay set.
         """
         return [self._set_all([parameter]) for parameter in parameter_list]
 
@@ -369,9 +371,9 @@ class NodeParameters:
         return SetParametersResult(successful=True)
 
     def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
-        """Return the event's list for this change: new, changed or deleted parameters.
+        """Return the list of the event that receives this change: new, changed or deleted parameters.
 
-        Call this before setting the parameter.
+        Call this method before you set the parameter.
         """
         if parameter.type_ == Parameter.Type.NOT_SET and not is_declared_now:
             changes = event.deleted_parameters

@@ -28,10 +28,10 @@ def read_declaration(
         namespace: prefix of the name.
         given: name, value or type, and descriptor; the last two may be missing.
         index: position in the list of declarations, for error messages.
-        stacklevel: which caller the warning about a missing type points at; 1 is the caller of this function.
+        stacklevel: the caller to which the warning about a missing type refers; 1 is the caller of this function.
 
     Raises:
-        TypeError: a part is of the wrong type, or there are too many.
+        TypeError: a part is of the wrong type, or there are too many parts.
         ValueError: neither the value nor the descriptor determines the parameter's type, or both do.
         InvalidParameterException: the name is empty.
     """
@@ -63,7 +63,7 @@ def read_declaration(
 
 
 def _set_type(name: str, type_: Parameter.Type, descriptor: ParameterDescriptor) -> None:
-    """Set a descriptor's type to the one that a declaration gives instead of a value."""
+    """Set a descriptor's type to the type that a declaration gives instead of a value."""
     if type_ == Parameter.Type.NOT_SET:
         raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
     if descriptor.dynamic_typing:

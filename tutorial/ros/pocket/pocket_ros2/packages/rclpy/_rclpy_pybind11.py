@@ -1,4 +1,4 @@
-"""Exceptions and types from rclpy's C++ module of this name, which programs use to catch the exceptions."""
+"""Exceptions and types from rclpy's C++ module of the same name; programs import it to catch the exceptions."""
 
 from enum import Enum, IntEnum
 

@@ -3,8 +3,8 @@
 A middleware is a module with the function ``join(domain_id)``, which returns a `Participant`, and the exception
 ``TransportError``. Its functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` convert a participant's
 announcement of its nodes, whose bytes 4 to 19 are the participant's identifier. `rclpy._cyclone` is the middleware on
-Cyclone DDS; the book's page ``drive`` has its own. `rclpy._middleware` names the one in use. All methods can be
-called from any thread.
+Cyclone DDS; the book's page ``drive`` has a different middleware. `rclpy._middleware` selects the middleware in use.
+All methods can be called from any thread.
 """
 
 from collections.abc import Sequence
@@ -57,10 +57,10 @@ class Entity(Protocol):
         """Return the number of matched partners."""
 
     def take_incompatible(self) -> str:
-        """Return what makes a new partner incompatible: a policy, ``"TYPE"``, or "" if there is no such partner."""
+        """Return why a new partner is incompatible: a policy or ``"TYPE"``; "" if there is no such partner."""
 
     def close(self) -> None:
-        """Delete this. Idempotent."""
+        """Delete the writer or reader. Idempotent."""
 
 
 class Writer(Entity, Protocol):
@@ -77,14 +77,14 @@ class Reader(Entity, Protocol):
     """Receives a topic's messages."""
 
     def take(self) -> tuple[bytes, int] | None:
-        """Return the next message, and when it was sent [ns]; None if there is no message."""
+        """Return the next message and the time when it was sent [ns]; None if there is no message."""
 
 
 class Waiter(Protocol):
     """Waits for messages and events."""
 
     def watch(self, endpoints: Sequence[tuple[Entity, Any]]) -> None:
-        """Wait for these writers and readers from now on, each given with its owner."""
+        """Include these writers and readers in all later waits; each is given with its owner."""
 
     def wait(self, timeout: float) -> list[Any]:
         """Wait for a message, an incompatible partner, or :meth:`wake`, or until time runs out [s].
@@ -94,10 +94,10 @@ class Waiter(Protocol):
         """
 
     def wake(self) -> None:
-        """End the current wait, or the next one; a signal handler can call this."""
+        """End the current wait or, if none is active, the next wait; a signal handler can call this method."""
 
     def close(self) -> None:
-        """Delete this. Idempotent."""
+        """Delete the waiter. Idempotent."""
 
 
 class Participant(Protocol):
@@ -117,17 +117,17 @@ class Participant(Protocol):
         """Create a waiter."""
 
     def participants(self, *, only_ros: bool = False) -> set[bytes]:
-        """Return the identifiers of all live participants, or only of the ones that use ROS 2."""
+        """Return the identifiers of all live participants, or only of those that use ROS 2."""
 
     def endpoints(
         self, kind: TopicEndpointTypeEnum, topic_name: str | None = None, *, full: bool = False
     ) -> list[EndpointInfo]:
-        """Return the writers or readers on one topic, or on all.
+        """Return the writers or readers on one topic or on all topics.
 
         Args:
             kind: PUBLISHERS or SUBSCRIPTIONS.
             topic_name: the topic's name on the wire; None for all topics.
-            full: include their policies, which can take 0.1 ms per endpoint.
+            full: also read their policies, at a cost of up to 0.1 ms per endpoint.
         """
 
     def leave(self) -> None:

@@ -1,7 +1,8 @@
 """Serialise and deserialise messages.
 
-Each message type has a wire type, made from its list of fields. It is announced with each topic, and Cyclone DDS's
-codec uses it to read a message's attributes and encode them. Decoding uses our own code, which is faster.
+Each message type has a wire type, made from its list of fields. The wire type is announced with each topic, and Cyclone
+DDS's codec uses it to read a message's attributes and encode them. Messages are decoded by the faster code in
+`_rosidl.cdr`.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def encode(message: Message) -> bytes:
     """Serialise a message, with the four-byte header of little-endian plain CDR.
 
     Raises:
-        AttributeError: a field that needs a message holds something else, as in rclpy.
+        AttributeError: a field that must hold a message holds another value, as in rclpy.
         TypeError: any other field holds a value that does not match its type.
     """
     try:
@@ -78,12 +79,13 @@ def wire_name(type_name: str) -> str:
 
 @cache
 def wire_type(type_name: str, octets: Any) -> Any:
-    """Return Cyclone DDS's struct for a message type. Two threads that need it at the same time may each make one.
+    """Return Cyclone DDS's struct for a message type. Two threads that need it at the same time may both make it.
 
     Args:
         type_name: the message type.
-        octets: the type of a sequence of uint8. ``bytes`` is the same on the wire, and saves converting an image to a
-            list of numbers; but a topic has to describe its type to other programs, and cannot do so with ``bytes``.
+        octets: the type of a sequence of uint8. ``bytes`` has the same form on the wire and avoids the conversion of an
+            image to a list of numbers. A topic cannot use ``bytes``, however, because it has to describe its type to
+            other programs.
     """
     with _lock:  # make_idl_struct keeps a global stack of scopes
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}

@@ -63,7 +63,7 @@ class Clock:
 
         Args:
             until: when to wake up.
-            context: a context whose shutdown ends the sleep; None uses the default one.
+            context: a context whose shutdown ends the sleep; None uses the default context.
 
         Returns:
             Whether the time was reached: False if the context was shut down, or if the clock switched between the
@@ -71,7 +71,7 @@ class Clock:
 
         Raises:
             NotInitializedException: the context is not running.
-            ValueError: the time belongs to a different type of clock.
+            ValueError: the time is from a different type of clock.
         """
         context = context or get_default_context()
         if not context.ok():

@@ -32,8 +32,8 @@ _contexts: weakref.WeakSet[Context] = weakref.WeakSet()
 class Context:
     """The state that nodes and executors share: the arguments and the participant in the DDS domain.
 
-    A context can be started once, and then shut down. It can be used from any thread, and as a context manager, which
-    starts it.
+    A context can be started and shut down only once. It can be used from any thread. As a context manager, it starts on
+    entry.
 
     Attributes:
         arguments: the ROS arguments that it was started with.
@@ -141,7 +141,7 @@ class Context:
         callback()
 
     def stop(self) -> None:
-        """End all spins, but leave slow work to :meth:`try_shutdown`; a signal handler can call this."""
+        """End all spins, but leave slow work to :meth:`try_shutdown`; a signal handler can call this method."""
         if self._ok:
             self._ok = False
             for reference in self._executors:
@@ -149,7 +149,7 @@ class Context:
                     executor.wake()
 
     def add_executor(self, executor: SingleThreadedExecutor) -> None:
-        """Stop an executor when the context shuts down. The context keeps only a weak reference."""
+        """Stop an executor when the context shuts down. The context stores only a weak reference to the executor."""
         with _domain.lock:
             self._executors = [*(other for other in self._executors if other()), weakref.ref(executor)]
 
@@ -186,7 +186,7 @@ class Context:
 
 
 def stop_all() -> None:
-    """End all spins in this process; a signal handler can call this."""
+    """End all spins in this process; a signal handler can call this function."""
     for context in tuple(_contexts):
         context.stop()
 
@@ -204,7 +204,8 @@ os.register_at_fork(after_in_child=_forget_all)
 def _shut_down_all() -> None:
     """Leave all domains when the interpreter exits, so that other programs notice at once.
 
-    Threads that still run are daemons, which are about to be stopped. Don't report their errors about closed contexts.
+    Threads that are still running are daemon threads, which are about to be stopped. Don't report their errors about
+    closed contexts.
     """
     report = threading.excepthook
 

@@ -1,4 +1,4 @@
-"""rclpy's exceptions, and one that the pocket ROS 2 adds."""
+"""rclpy's exceptions, and an exception that the pocket ROS 2 adds."""
 
 from typing import Any, ClassVar
 

@@ -41,7 +41,7 @@ class SingleThreadedExecutor:
     All other methods can be called from any thread.
 
     Args:
-        context: the executor's context; None uses the default one.
+        context: the executor's context; None uses the default context.
 
     Raises:
         RCLError: the context is not running.
@@ -70,7 +70,7 @@ class SingleThreadedExecutor:
         return self._context
 
     def add_node(self, node: Node) -> bool:
-        """Add a node, and run its callbacks; return False if it was added before."""
+        """Add a node and run its callbacks; return False if it has already been added."""
         with self._lock:
             if node in self._nodes:
                 return False
@@ -99,7 +99,7 @@ class SingleThreadedExecutor:
         """Run callbacks until the executor is shut down.
 
         Raises:
-            ExternalShutdownException: the context was shut down instead.
+            ExternalShutdownException: the context was shut down, not the executor.
         """
         self._spin()
 
@@ -128,7 +128,7 @@ class SingleThreadedExecutor:
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and release the nodes. Idempotent.
 
-        This does not wait for a callback that is running on another thread.
+        This method does not wait for a callback that is running on another thread.
         """
         self._is_shutdown = True
         self._nodes = ()
@@ -178,7 +178,7 @@ class SingleThreadedExecutor:
                 return
 
     def _run_ready(self) -> bool:
-        """Execute the first entity of this round that is ready; return False if none is."""
+        """Execute the first entity of this round that is ready; return False if no entity is ready."""
         for entity in self._ready:  # noqa: SIM110  (a generator for each round would cost more than the round)
             if entity._node in self._nodes and entity.execute():
                 return True
@@ -187,8 +187,9 @@ class SingleThreadedExecutor:
     def _wait(self, timeout: float) -> None:
         """Wait for a message, an event, a timer or :meth:`wake`, and start a round.
 
-        In each round, every ready entity gets one turn, so that a busy topic does not delay the rest. Entities that are
-        not ready are not checked, which matters to a node with a hundred subscriptions.
+        In each round, every ready entity gets one turn, so that a busy topic does not delay the other entities.
+        Entities that are not ready are not checked, because the checks would slow down a node with a hundred
+        subscriptions.
         """
         waits = [timer.wait_time() for timer in self._timers] + [guard.wait_time() for guard in self._guards]
         timeout = max(0.0, min([timeout, *waits]))
@@ -209,7 +210,7 @@ class SingleThreadedExecutor:
             endpoint.report_events()
 
     def _look_around(self) -> None:
-        """Read the nodes' entities, and wait for them from now on."""
+        """Read the nodes' entities, and include them in all later waits."""
         self._outdated = False
         self._timers = [timer for node in self._nodes for timer in node.timers]
         self._guards = [guard for node in self._nodes for guard in node.guards]
@@ -221,7 +222,7 @@ class SingleThreadedExecutor:
                 self._waiter.watch([(self._context.graph.changes, None), *watched])
 
     def _close_if_shut_down(self) -> None:
-        """Release everything once no thread spins; the last thread to finish does it."""
+        """Release everything once the executor is shut down and no thread spins; otherwise do nothing."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
         self._ready = iter(())

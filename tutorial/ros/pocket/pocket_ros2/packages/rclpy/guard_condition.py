@@ -16,7 +16,7 @@ class GuardCondition(Destroyable):
     """Lets any thread make the executor run a callback; created by ``Node.create_guard_condition``.
 
     Args:
-        node: the node that it belongs to.
+        node: the guard condition's node.
         callback: called without arguments, on the thread that spins.
     """
 
@@ -26,7 +26,7 @@ class GuardCondition(Destroyable):
         self._triggered = False
 
     def trigger(self) -> None:
-        """Make the executor run the callback. Several triggers before it runs count as one.
+        """Make the executor run the callback. Further triggers before the callback runs have no effect.
 
         Raises:
             InvalidHandle: the guard condition has been destroyed.
@@ -40,7 +40,7 @@ class GuardCondition(Destroyable):
         self._node._remove(self, keep=True)
 
     def close(self) -> None:
-        """Disable the guard condition for good. Called by the node."""
+        """Disable the guard condition permanently. Called by the node."""
         self._destroyed = True
 
     def wait_time(self) -> float:

@@ -25,7 +25,7 @@ class LoggingSeverity(IntEnum):
 
 
 class Listener(Protocol):
-    """Receives the log lines of a logger and its children, such as a node for ``/rosout``."""
+    """Receives the log lines of a logger and its children, such as a node that publishes them on ``/rosout``."""
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
         """Receive a line; called on the thread that logs."""
@@ -131,7 +131,7 @@ class RcutilsLogger:
 
         Raises:
             TypeError: the message is not a string, or an option is unknown.
-            ValueError: the same line of code has logged with different options before.
+            ValueError: the same line of code has already logged with different options.
         """
         severity = LoggingSeverity(severity)
         name = kwargs.pop("name", self.name)
@@ -166,7 +166,7 @@ def get_logger_level(name: str) -> LoggingSeverity:
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:
-    """Return the level of a logger, or of its nearest parent that has one."""
+    """Return the level of a logger or, if it has none, of its nearest parent with a level."""
     while name and not _levels.get(name):
         name = name.rpartition(".")[0]
     return _levels[name] or LoggingSeverity.INFO

@@ -47,17 +47,17 @@ CLOCK_QOS = QoSProfile(depth=1, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
 class Node(NodeGraph, NodeParameters):
     """A member of the node graph with a name, publishers, subscriptions and timers. Can be used from any thread.
 
-    While its parameter ``use_sim_time`` is true, its clock and the timers that use it follow the messages on
+    While its parameter ``use_sim_time`` is true, its clock and the timers that use this clock follow the messages on
     ``/clock``: the time advances when the callback of such a message runs, on the thread that spins.
 
     Args:
         node_name: the node's name; a remapping on the command line takes precedence.
-        context: the node's context; None uses the default one.
-        cli_args: a command line for this node alone.
+        context: the node's context; None uses the default context.
+        cli_args: a command line for this node only.
         namespace: prefix of the node's name and its topics' names.
         use_global_arguments: also use the process's command line.
         enable_rosout: also publish the node's log lines on ``/rosout``.
-        start_parameter_services: has no effect, because there are no services here.
+        start_parameter_services: has no effect, because the pocket ROS 2 has no services.
         parameter_overrides: values that take precedence over the values given to :meth:`declare_parameter`.
         allow_undeclared_parameters: allow setting and reading parameters that have not been declared.
         automatically_declare_parameters_from_overrides: declare the parameters in ``parameter_overrides`` and on the
@@ -258,10 +258,10 @@ class Node(NodeGraph, NodeParameters):
         return self._add(GuardCondition(self, callback))
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Create a rate, for a loop on a thread other than the executor's thread.
+        """Create a rate for a loop that does not run on the executor's thread.
 
         Args:
-            frequency: how often the loop runs [Hz].
+            frequency: the number of times that the loop runs per second [Hz].
             clock: the rate's clock; None uses the node's clock.
 
         Raises:

@@ -14,7 +14,7 @@ ZERO_DEPTH = (
 
 
 class InvalidQoSProfileException(Exception):  # noqa: N818  (rclpy's name)
-    """A profile has settings that don't go together."""
+    """A profile has settings that are incompatible with one another."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__("Invalid QoSProfile", *args)
@@ -44,7 +44,7 @@ class QoSPolicyEnum(_ShortKeys, IntEnum):
 
 
 class HistoryPolicy(QoSPolicyEnum):
-    """Which messages a queue keeps."""
+    """Which messages a queue stores."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
@@ -125,7 +125,7 @@ class QoSProfile:
         lifespan: maximum age of a message; 0 means no limit, here and in the durations below.
         deadline: longest expected time between messages.
         liveliness: how a publisher shows that it is alive.
-        liveliness_lease_duration: how long a publisher can be silent before it counts as gone.
+        liveliness_lease_duration: how long a publisher can be silent before it is considered gone.
         avoid_ros_namespace_conventions: use the topic's name unchanged in DDS.
 
     Raises:
@@ -170,7 +170,7 @@ DEFAULTS: dict[str, Any] = {p.name: Duration() if p.default is MISSING else p.de
 
 
 def _every_policy(name: str, **others: Any) -> QoSProfile:
-    """Return a profile that uses the value ``name`` for every policy that has it."""
+    """Return a profile that uses the value ``name`` for every policy that has this value."""
     kinds = {setting: type(default) for setting, default in DEFAULTS.items() if isinstance(default, QoSPolicyEnum)}
     return QoSProfile(**{policy: kind[name] for policy, kind in kinds.items() if name in kind.__members__}, **others)
 
@@ -191,7 +191,7 @@ qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPol
 
 
 class QoSPresetProfiles(_ShortKeys):
-    """The predefined profiles by name; equal profiles are the same member."""
+    """The predefined profiles by name; the names of equal profiles are aliases of one member."""
 
     UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default

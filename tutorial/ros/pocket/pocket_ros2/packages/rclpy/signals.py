@@ -25,8 +25,8 @@ _previous: dict[int, Any] = {}
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
     """Shut down all contexts on these signals.
 
-    Python allows this only on the main thread; on any other thread, nothing happens. The previous handlers are still
-    called, so Ctrl-C still raises KeyboardInterrupt.
+    Python allows signal handlers to be set only on the main thread; on any other thread, this function has no effect.
+    The previous handlers are still called, so Ctrl-C still raises KeyboardInterrupt.
     """
     if threading.current_thread() is threading.main_thread():
         for option, number in _SIGNALS.items():
@@ -35,7 +35,7 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
 
 
 def uninstall_signal_handlers() -> None:
-    """Restore the previous handlers, unless they have been replaced since."""
+    """Restore the previous handlers, unless this module's handlers have been replaced since."""
     if threading.current_thread() is threading.main_thread():
         for number in list(_previous):
             previous = _previous.pop(number)

@@ -27,11 +27,11 @@ class Subscription(Endpoint):
     Its callback runs on the thread that spins. Everything else can be used from any thread.
 
     Args:
-        node: the node that it belongs to.
+        node: the subscription's node.
         msg_type: the class of its messages.
         topic: the topic's name, as the program gives it.
         callback: called with each message, or with the message and a dict about it.
-        qos_profile: its QoS, including how many messages can wait for the callback.
+        qos_profile: its QoS, including the number of messages that can wait for the callback.
         raw: pass bytes to the callback instead of messages.
     """
 
@@ -72,7 +72,7 @@ class Subscription(Endpoint):
         return self._count_matched("publisher")
 
     def execute(self) -> bool:
-        """Take a message, if there is one, and call the callback with it. Called by the executor.
+        """Take the next message if one has arrived, and call the callback with it. Called by the executor.
 
         Returns:
             Whether the callback was called.
@@ -92,7 +92,7 @@ class Subscription(Endpoint):
         return False
 
     def _take(self) -> tuple[bytes, int] | None:
-        """Return the next message undecoded, and when it was sent [ns], or None if there is no message."""
+        """Return the next message undecoded, and the time when it was sent [ns]; None if there is no message."""
         try:
             return None if self._destroyed else self._wire.take()
         except TransportError:

@@ -35,7 +35,7 @@ class Future:
             sys.stderr.write(f"The following exception was never retrieved: {self._exception}\n")
 
     def done(self) -> bool:
-        """Return whether there is a result or an exception."""
+        """Return whether the future has a result or an exception."""
         return self._done
 
     def cancelled(self) -> bool:
@@ -43,7 +43,7 @@ class Future:
         return self._cancelled
 
     def result(self) -> Any:
-        """Return the result, or None if there is none yet; raise the exception that was set instead."""
+        """Return the result, or None if there is no result yet; raise the exception that was set instead."""
         if exception := self.exception():
             raise exception
         return self._result
@@ -66,7 +66,7 @@ class Future:
         self._finish(_cancelled=not self._done)
 
     def add_done_callback(self, callback: Callable[[Future], object]) -> None:
-        """Call a function once there is a result or the future is cancelled; call it now if there is a result."""
+        """Call a function once the future has a result or is cancelled; call it immediately if a result exists."""
         with self._lock:
             if not self._done:
                 self._callbacks.append(callback)

@@ -47,11 +47,11 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
 
     @property
     def clock_type(self) -> _rclpy_pybind11.ClockType:
-        """The kind of clock that measured it."""
+        """The kind of clock that measured the time."""
         return self._clock_type
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
-        """Return whole seconds [s] and the rest [ns]."""
+        """Return the whole seconds [s] and the remainder [ns]."""
         return divmod(self._nanoseconds, S_TO_NS)
 
     def to_msg(self) -> TimeMessage:

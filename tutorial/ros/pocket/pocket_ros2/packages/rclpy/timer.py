@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 class Timer(Destroyable):
     """Runs a callback periodically; created by ``Node.create_timer``.
 
-    The callback runs on the thread that spins. If that thread is late, missed calls are skipped and later ones keep
-    the rhythm, as in ROS 2. With simulated time, the timer fires when a message on ``/clock`` reaches the time of the
+    The callback runs on the thread that spins. If that thread is late, missed calls are skipped and later calls stay on
+    schedule, as in ROS 2. With simulated time, the timer fires when a message on ``/clock`` reaches the time of the
     next call. Once the timer is destroyed, its methods raise InvalidHandle.
 
     Args:
-        node: the node that it belongs to.
+        node: the timer's node.
         callback: called without arguments.
         timer_period_ns: time between calls [ns].
         clock: the clock that measures the period.
@@ -76,7 +76,7 @@ class Timer(Destroyable):
         return self._now() - self._last_call
 
     def time_until_next_call(self) -> int | None:
-        """Return the time until the next call [ns], negative if it is late; None if it has been stopped."""
+        """Return the time until the next call [ns], negative if the call is late; None if the timer is stopped."""
         until = self._next_call - self._now()
         return None if self._canceled else until
 
@@ -85,7 +85,7 @@ class Timer(Destroyable):
         self._node._remove(self, keep=True)
 
     def close(self) -> None:
-        """Stop the timer for good. Called by the node."""
+        """Stop the timer permanently. Called by the node."""
         self._destroyed = True
         self.clock._timers.discard(self)
 
@@ -135,11 +135,11 @@ class Timer(Destroyable):
 class Rate:
     """Sleeps at a fixed rate; created by ``Node.create_rate``.
 
-    The node has to spin on another thread. In a callback of its own executor, :meth:`sleep` never returns.
+    The node has to spin on another thread. In a callback that the node's executor runs, :meth:`sleep` never returns.
 
     Args:
         timer: the timer that wakes sleepers.
-        context: a context whose shutdown wakes them, too.
+        context: a context whose shutdown also wakes the sleepers.
     """
 
     def __init__(self, timer: Timer, *, context: Context) -> None:
@@ -174,7 +174,7 @@ class Rate:
             raise ROSInterruptException
 
     def destroy(self) -> None:
-        """Wake the sleepers, and refuse to sleep again."""
+        """Wake the sleepers, and reject later calls to :meth:`sleep`."""
         self._is_destroyed = True
         self._wake_up.set()
 

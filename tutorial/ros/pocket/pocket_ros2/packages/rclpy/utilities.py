@@ -36,7 +36,7 @@ def ok(*, context: Context | None = None) -> bool:
 
 
 def shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down; None shuts the default one down, and a new one takes its place.
+    """Shut a context down; None shuts the default context down, and a new context replaces it.
 
     Raises:
         RuntimeError: the context has not been started, or has been shut down.
@@ -45,7 +45,7 @@ def shutdown(*, context: Context | None = None) -> None:
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down if it is running; None shuts the default one down, and a new one takes its place."""
+    """Shut a context down if it is running; None shuts the default context down, and a new context replaces it."""
     (context or get_default_context(shutting_down=True)).try_shutdown()
 
 

@@ -10,14 +10,14 @@ from tf2_ros.transform_broadcaster import as_list
 
 
 class StaticTransformBroadcaster:
-    """Publishes transforms on ``/tf_static``, where late subscribers receive them, too.
+    """Publishes transforms on ``/tf_static``, where late subscribers also receive them.
 
     Each message contains all transforms sent so far. As in tf2_ros 0.36.4, the first transform of a child frame is
-    kept, and later ones are ignored.
+    used, and later transforms of that frame are ignored.
 
     Args:
         node: the node that publishes.
-        qos: quality of service, or the number of messages kept; None keeps the last one for late subscribers.
+        qos: quality of service, or the number of messages kept; None keeps the last message for late subscribers.
     """
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
@@ -27,7 +27,7 @@ class StaticTransformBroadcaster:
         self.net_message = TFMessage()
 
     def sendTransform(self, transform: TransformStamped | Iterable[TransformStamped]) -> None:  # noqa: N802
-        """Add one or more transforms, and publish all transforms so far."""
+        """Add one or more transforms, and publish all transforms sent so far."""
         transforms = self.net_message.transforms
         for new in as_list(transform):
             if new.child_frame_id not in {known.child_frame_id for known in transforms}:

@@ -1,1 +1,1 @@
-"""The package where rclpy keeps its logging; see :mod:`rclpy.logging`."""
+"""The package that contains rclpy's logging; see :mod:`rclpy.logging`."""
