@@ -7,7 +7,7 @@ HOME = Path(__file__).parents[1]
 TABLE = re.compile(r"(?<=^\| step \|).*\n(?:\|.*\n)+", re.MULTILINE)
 
 STEPS = (
-    ("setup", "nothing yet: you meet the tank, and see who talks to whom", ""),
+    ("setup", "nothing yet: you try the tank, and see which programs exchange messages", ""),
     ("tank_controller", "a controller that listens to the joystick", "`/joy`"),
     ("joint_state_publisher", "a publisher of joint states", "`/Tank/joint_state`"),
     ("joint_state_subscriber", "a viewer, in a second program", "`/Tank/joint_state`"),
@@ -16,9 +16,9 @@ STEPS = (
     ("camera_publisher", "a publisher of the camera's images", "`/Tank/camera/image`"),
     ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
     ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
-    ("nothing_arrives", "fixes: eight times, a viewer shows nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
+    ("nothing_arrives", "fixes for eight viewers that show nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
     ("services", "services, clients and parameters, a deadlock and its repairs", "`/Tank/reset`, `/Tank/set_motors`"),
-    ("race", "a driver: a node of your own that follows a line, for a score", "`/joy`"),
+    ("race", "a driver: your own node, which follows a line for a score", "`/joy`"),
 )
 """Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 
