@@ -85,7 +85,7 @@ def wire_type(type_name: str, octets: Any) -> Any:
         octets: the type of a sequence of uint8. ``bytes`` is the same on the wire, and saves converting an image to a
             list of numbers; but a topic has to describe its type to other programs, and cannot do so with ``bytes``.
     """
-    with _lock:  # make_idl_struct keeps a global stack of scopes
+    with _lock:  # make_idl_struct uses a global stack of scopes
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}
         typename = wire_name(type_name)
         made = make_idl_struct(typename.rpartition("::")[2], typename, fields, dataclassify=False)
