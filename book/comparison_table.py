@@ -57,7 +57,7 @@ def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
     for number in range(1, 1 + MESSAGES):
         good = swing(number, tuple(RANGES), RATE)
         made.append((good, list(chaos.apply(good))))
-        chaos.faults = {fault: SHARE}  # the first message was good, so every joint has a position
+        chaos.faults = {fault: SHARE}  # the first message was correct, so every joint already has a position
     return made
 
 

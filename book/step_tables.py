@@ -18,7 +18,7 @@ STEPS = (
     ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
     ("nothing_arrives", "eight fixes for a viewer that shows nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
     ("services", "services, clients and parameters, a deadlock and its repairs", "`/Tank/reset`, `/Tank/set_motors`"),
-    ("race", "a driver: a node of your own that follows a line, for a score", "`/joy`"),
+    ("race", "a driver: your own node, which follows a line for a score", "`/joy`"),
 )
 """Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 

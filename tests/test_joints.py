@@ -62,7 +62,7 @@ def test_only_known_joints_move_and_only_to_received_finite_values(stream):
         assert (values, report, str(report)) == (*fresh, str(fresh[1])), "the matcher behaves like a new one"
 
 
-TWICE = "named twice, the last number wins: 'a'"
+TWICE = "named twice, the last number is used: 'a'"
 KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
 
 
@@ -231,7 +231,7 @@ def turns(found):
 
 RATES = st.sampled_from([10.0, 20.0, 50.0, 100.0])
 OFFSETS = st.sampled_from([0.0, 0.003, 0.02, 0.03, 0.3, 0.99, 5.0, 500.0, 1.7e9])
-SILENT = "the publisher was started again, or fell silent, and the viewer follows a new one"
+SILENT = "the publisher was started again, or is silent, and the viewer follows a new one"
 
 
 class TestTwoPublishers:

@@ -206,7 +206,7 @@ class Body:
         self.qpos_slice = _slice(ids, model.jnt_qposadr, model.nq)
         self._dof_slice = _slice(ids, model.jnt_dofadr, model.nv)
         self._root = _Root.of(name, model, data, ids)
-        self._followers = Followers(model, f"{name}/") if guard else None  # a simulation couples the joints itself
+        self._followers = Followers(model, f"{name}/") if guard else None  # a simulation computes the couplings itself
         self._by_name = {joint.name: joint for joint in self.joints}
         self._guard = guard
         self._observers: list[Observer] = []

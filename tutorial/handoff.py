@@ -36,7 +36,7 @@ Ts = TypeVarTuple("Ts")
 
 CROWD = 1000  # waiting calls; a warning is logged if there are more
 LONG_WAIT = 10.0  # [s]; a warning is logged if a call waits longer
-PATIENCE = 1.0  # [s] how long a request waits for its answer; a step takes a few milliseconds
+PATIENCE = 1.0  # [s] the longest wait for an answer; a step takes a few milliseconds
 NOT_RUNNING = "the simulation is not running. Start it, and ask again."
 BUSY = (
     "the main thread is too busy for the calls posted to it: %d waiting, the first for %.1f s. Do less in each call; "
@@ -119,7 +119,7 @@ class CallQueue:
             replaced = self._waiting.get(key)
             if replaced is not None:
                 call.take_place_of(replaced)
-            self._waiting[key] = call  # a new key goes to the end, a known key keeps its place
+            self._waiting[key] = call  # a new key is added at the end, a known key does not move
         self._warn_if_busy()
 
     def _request_turn(self) -> bool:
@@ -127,7 +127,7 @@ class CallQueue:
         if not self._turn_requested:
             try:
                 self._loop.call_soon_threadsafe(self._turn)
-            except RuntimeError:  # the loop was closed before the queue
+            except RuntimeError:  # the loop was closed earlier than the queue
                 return False
             self._turn_requested = True
         return True
@@ -149,7 +149,7 @@ class CallQueue:
         try:
             self._warn_if_busy()
             for _ in range(len(self._waiting)):
-                if (call := self._next()) is None:  # the queue was closed meanwhile
+                if (call := self._next()) is None:  # the queue has been closed in the meantime
                     break
                 call.run()
         finally:  # even after a KeyboardInterrupt, because a notebook's loop continues and the calls are still waiting
@@ -181,7 +181,7 @@ class CallScope:
         """Have the main thread run ``function(*args)``. No call is lost, and their order is kept. Thread-safe."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
-        self.queue._post(call, call)  # a unique key, so it replaces nothing
+        self.queue._post(call, call)  # the key is unique, so the call replaces no other call
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """Post a call as `call_later` does, but replace a waiting call with the same key, such as a body's name."""
@@ -291,7 +291,7 @@ class RequestQueue:
                 raise WrongThreadError("ask was called on the simulation's thread. Call the function directly.")
             self._waiting.append((answer, partial(function, *args)))
         wait([answer], timeout)
-        # cancel() decides who wins: it returns False if the simulation's thread has already begun the request.
+        # cancel() settles the race: it returns False if the simulation's thread has already begun the request.
         if answer.cancel():  # the request has not begun, and never will
             raise RefusedError(f"the simulation has not finished its step within {timeout:g} s.")
         if not answer.done():

@@ -20,7 +20,7 @@ from tutorial.errors import did_you_mean
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-NAMES_KEPT = 3  # in each `NameList`, to keep a report small however many names a message has
+NAMES_KEPT = 3  # in each `NameList`, so that a report is small even if a message has many names
 SECOND_NS = 1_000_000_000  # [ns] a stamp that jumps back further means that the publisher was restarted
 PAUSE_NS = 10 * SECOND_NS  # [ns] the longest allowed pause between messages from one of several publishers
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which can still represent its square
@@ -30,7 +30,7 @@ REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH +
 NEAR, NEAR_RIVAL = 1 / 5, 1 / 3
 COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
 SILENT_AFTER = 25  # dropped messages in a row, per rival, before the followed publisher counts as silent
-SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; any other jump cancels 1/4 of one
+SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; each other jump cancels 1/4 jump back
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -86,7 +86,7 @@ class Arrival(Enum):
 
     NEXT = ""  #: the publisher's next message
     RESTARTED = "the publisher was started again"  #: its stamp jumps far back
-    SWITCHED = "the publisher was started again, or fell silent, and the viewer follows a new one"  #: its publisher
+    SWITCHED = "the publisher was started again, or is silent, and the viewer follows a new one"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed
 
@@ -94,11 +94,11 @@ class Arrival(Enum):
 class JointReport(NamedTuple):
     """The result of matching one message."""
 
-    joints: tuple[str, ...] = ()  #: the joints that got a position
+    joints: tuple[str, ...] = ()  #: the joints that received a position
     arrival: Arrival = Arrival.NEXT  #: how the message follows the previous ones
     unmoved: NameList = NameList()  #: joints that did not move, because their positions were late or came from a rival
     unknown: NameList = NameList()  #: names that the body has no joint for
-    duplicate: NameList = NameList()  #: joints named more than once; the last usable number won
+    duplicate: NameList = NameList()  #: joints named more than once; the last usable number was used
     short: int = 0  #: the number of names without a position
     long: int = 0  #: the number of positions without a name
     non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they did not move
@@ -133,7 +133,7 @@ class JointReport(NamedTuple):
         complaints = (
             (self.arrival.value, arrival),
             (self.unknown.total, f"unknown {self.unknown}.{hint}"),
-            (self.duplicate.total, f"named twice, the last number wins: {self.duplicate}"),
+            (self.duplicate.total, f"named twice, the last number is used: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
             (self.long, f"more positions than names, by {self.long}"),
             (self.non_finite.total, f"not a finite number: {self.non_finite}"),
@@ -195,7 +195,7 @@ class JointMatcher:
             return {}, JointReport(arrival=arrival)
         self._last = _Track(shown, stamp_ns)
         self._tracks |= dict.fromkeys(shown, self._last)
-        usual = not (rivals or unmoved or report.non_finite.total or report.huge.total)  # every joint has moved
+        usual = not (rivals or unmoved or report.non_finite.total or report.huge.total)  # every named joint has moved
         self._plan = _Plan.of(self._ranges, message, report) if usual else _Plan()
         return shown, report._replace(joints=tuple(shown), arrival=arrival, unmoved=NameList.of(unmoved))
 
@@ -237,7 +237,7 @@ class _Publishers:
         apart = [group for group in self._groups if count > 1 and group.isdisjoint(joints)]
         self._groups = [*apart, joints.union(*(group for group in self._groups if group not in apart))]
         shared = count > 1 and max([self._jumps_back(*each) for each in positions.items()]) >= SHARED_AFTER
-        return max(count - 1 - len(apart), shared)  # each separate group has its own publisher
+        return max(count - 1 - len(apart), shared)  # each separate group has a different publisher
 
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
         """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
@@ -248,7 +248,7 @@ class _Publishers:
         if 0 <= ahead <= PAUSE_NS and not self._jumps_to_rival(track, positions, ahead, rivals):
             return Arrival.NEXT
         track.dropped += 1
-        switches = track.dropped >= SILENT_AFTER * rivals  # at once if no rival is left
+        switches = track.dropped >= SILENT_AFTER * rivals  # immediately if no rival is left
         rival = track.positions if switches else positions  # the publisher that is not followed is now the rival
         self._rival_positions |= {joint: rival[joint] for joint in positions}
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
@@ -272,7 +272,7 @@ class _Publishers:
 
     def _recount(self) -> int:
         count = self._count_publishers()
-        if count < self._last_count:  # a publisher has left, and nobody knows which one
+        if count < self._last_count:  # a publisher has disappeared, and it is unknown which
             self._groups, self._rival_positions, self._history = [], {}, {}
         self._last_count, self._until_recount = count, 0 if count > 1 else COUNT_EVERY - 1
         return count

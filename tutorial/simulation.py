@@ -18,7 +18,7 @@ from tutorial.world import Placement
 SWITCH_INTERVAL = 0.0002  # [s]; with the default, 0.005, a busy cell starves a thread that wakes every millisecond
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between batches of steps
-LONGEST_DEBT = 0.25  # [s] the longest backlog of real time that the simulation makes up for; it skips the rest
+LONGEST_DEBT = 0.25  # [s] the longest delay that the simulation makes up for; it skips the rest
 REPORT_EVERY = 5.0  # [s] between warnings that the machine can't keep up
 STUCK = 3.0  # [s] how long a caller waits for controllers to return
 SLOW = 0.95  # times real time; if the simulation runs more slowly, the machine can't keep up
@@ -31,9 +31,9 @@ class State(Enum):
     """The state of a `Simulation`, whose docstring contains the table of transitions."""
 
     IDLE = "idle"  #: not being stepped; ready to step
-    RUNNING = "running"  #: a thread steps it: its own, or that of the caller of `Simulation.advance`
+    RUNNING = "running"  #: a thread steps it: its own thread, or the thread that called `Simulation.advance`
     FAILED = "failed"  #: stopped by a controller's exception, `Simulation.error`; can be stepped again
-    ABANDONED = "abandoned"  #: stopped for good: a controller does not return, and may still touch its body
+    ABANDONED = "abandoned"  #: stopped permanently: a controller does not return, and may still change its body
 
 
 class Simulation:
@@ -90,9 +90,10 @@ class Simulation:
         self.snapshot = Latest(self.world.snapshot())
         self.state = State.IDLE
         self.error: ControllerError | None = None
-        # Two locks, always taken in this order. Methods that start, stop or change something take turns, and hold the
-        # first lock even while they wait for controllers. A change of state needs only the second lock, which no thread
-        # holds while a controller runs. So a run can record its end while stop() has the turn and waits for that end.
+        # Two locks, always acquired in this order. Methods that start, stop or change something run one after another,
+        # and hold the first lock even while they wait for controllers. A change of state needs only the second lock,
+        # which no thread holds while a controller runs. So a run can record its end while stop() holds the first lock
+        # and waits for that end.
         self._turn_lock = threading.Lock()
         self._state_lock = threading.Lock()
         # The last run that stepped, and the last one that stopped controllers. They can overlap: release() stops some
@@ -204,7 +205,7 @@ class Simulation:
         with self._turn("release()"):
             self._check_abandoned()
             leaving = self.world.release(body)
-            if not self._step_run.wait_for_lap(STUCK):  # until then, a step may still call these controllers
+            if not self._step_run.wait_for_lap(STUCK):  # before the next lap, a step may still call these controllers
                 self._abandon(self._step_run)
             if self.world.initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)
@@ -280,7 +281,7 @@ class Simulation:
         if not run.finished.wait(STUCK):
             self._abandon(run)
         if run.is_own and not run.abandoned:
-            run.thread.join(STUCK)  # the thread has nothing left to do
+            run.thread.join(STUCK)  # the thread is about to end
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a separate thread, which can be abandoned if one of them does not return."""
@@ -321,7 +322,7 @@ class _Pace:
 
     def __init__(self, step: int, time_step: float) -> None:
         self._time_step = time_step
-        self._origin = time.perf_counter() - step * time_step  # when step 0 would have been
+        self._origin = time.perf_counter() - step * time_step  # the time of step 0, without delays
         self._lost, self._since = 0.0, time.perf_counter()  # [s] skipped since the last report
 
     def steps_due(self, step: int) -> int:

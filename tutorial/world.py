@@ -59,7 +59,7 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
     try:
         with no_python_warnings():
             model = world.compile()
-        model.names.decode()  # MuJoCo accepts names that are not UTF-8, and then cannot return them
+        model.names.decode()  # MuJoCo accepts names that are not UTF-8, but cannot return them
     except FAILS as error:
         raise TutorialError(f"the world does not compile. MuJoCo reports: {error}\n{unused}".rstrip()) from error
     if unused:

@@ -65,7 +65,7 @@ def test_a_broken_file_is_reported_and_not_changed(notebook, text):
     (notebook / FILE).write_text(text, encoding="latin-1")
     said = repr(Overview(exercise_names()))
     assert re.search(r"\n0 of \d+ exercises are solved\.\n", said)
-    assert f"{FILE} cannot be read, so nothing counts as solved: " in said
+    assert f"{FILE} cannot be read, so no exercise counts as solved: " in said
     remember("aim")
     assert (notebook / FILE).read_text(encoding="latin-1") == text
 

@@ -184,7 +184,7 @@ def test_a_checkout_stays_unchanged(shipped, tmp_path, monkeypatch):
     ("spoil", "said"),
     [
         (lambda here: (here / "tank-tutorial").write_text(""), r"be copied to .*tank-tutorial: .*\. Go to a folder"),
-        (lambda here: own_course(), r"tank-tutorial belongs to another user\. Go to a folder of your own"),
+        (lambda here: own_course(), r"tank-tutorial belongs to another user\. Go to your own folder"),
     ],
 )
 def test_an_unusable_folder_is_reported(shipped, tmp_path, monkeypatch, spoil, said):

@@ -79,7 +79,7 @@ def test_effort_without_motor(actuator, kind):
 @pytest.mark.parametrize("actuator", ["", '<motor tendon="T"/>', '<motor site="S"/>', '<adhesion body="R/B"/>'])
 def test_joint_without_actuator(actuator):
     joint = joint_of(actuator.replace("adhesion", 'adhesion ctrlrange="0 1"'))
-    with pytest.raises(TutorialError, match="the joint 'J' has no motor of its own"):
+    with pytest.raises(TutorialError, match="the joint 'J' has no motor"):
         joint.effort = 0.5
     with pytest.raises(TutorialError, match="the joint 'J' has no position servo"):
         joint.target = 0.5

@@ -41,7 +41,7 @@ def test_a_forgotten_await_is_explained(prepare):
     shell, _ = prepare()
     for call, name in ((topic_list(), "topic_list"), (drive.check(), "Exercise.check")):
         shown, _ = shell.display_formatter.format(call)
-        assert shown["text/plain"] == f"{name} has not run yet: this takes a while, so write await before it."
+        assert shown["text/plain"] == f"{name} has not run yet: this call takes a while, so write await before it."
 
 
 def test_notebooks_have_separate_local_domains_by_default(prepare):

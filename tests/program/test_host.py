@@ -187,7 +187,7 @@ class Asking(SimpleController):
 @in_a_loop
 async def test_requests_are_refused_when_their_controller_leaves(step2, step3):
     async with Host(step3.with_controllers("Tank", Asking)):
-        with pytest.raises(RefusedError, match="there is no simulation here"):
+        with pytest.raises(RefusedError, match="this program has no simulation"):
             Asking.ask(print)
     async with Host(step2.with_controllers("Tank", Asking)) as host:
         with pytest.raises(RefusedError, match="is not running"):

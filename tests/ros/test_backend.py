@@ -86,7 +86,7 @@ def test_every_entry_point_reports_it(rclpy, code):
         ("os.environ['RMW_IMPLEMENTATION'] = 'rmw_x'; use_real_ros()", "has only 'rmw_fastrtps_cpp'"),
         (
             "use_real_ros(); from tf2_msgs.msg import TFMessage",
-            "Type tank ros install again when you have g++ and Python.h",
+            "Type tank ros install again after installing g++ and Python.h",
         ),
         ("use_real_ros(); import tf2_ros", "RoboStack and Ubuntu's packages have all of ROS 2"),
         ("os.environ['TUTORIAL_ROS'] = 'x'; promise(); use_real_ros(); import rclpy; print('found')", "found"),

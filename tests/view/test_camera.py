@@ -159,7 +159,7 @@ def test_a_machine_that_cannot_render_is_reported_once(stage, monkeypatch, caplo
         stage.body.camera(name).capture(taken.append)
     assert taken == []
     (said,) = caplog.messages
-    assert said.startswith("cameras cannot take pictures, but everything else works: rendering failed (ModuleNotFound")
+    assert said.startswith("cameras do not work, but everything else does: rendering failed (ModuleNotFound")
     assert said.endswith("). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this.")
 
 

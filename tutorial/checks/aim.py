@@ -59,7 +59,7 @@ MISTAKES = [
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = 0.0, joint.position")),
     Mistake("self.q_prev starts at 0, so the first speed is wrong. Start at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
-    Mistake("you move the reference from joint.position. Start from its own previous value, self.q_ref.",
+    Mistake("you move the reference from joint.position. Start from the previous reference, self.q_ref.",
             replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
     Mistake("you convert between radians and degrees. 0.002 is already in rad, like angles and ranges.",
             replace("0.002", "radians(0.002)", "degrees(0.002)")),
@@ -70,13 +70,13 @@ MISTAKES = [
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
     Mistake("you clamp the stick to joint.range. Clamp the reference, which is an angle.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
-    Mistake("you use the stick as the angle. It moves the reference by 0.002 * stick in each call.",
+    Mistake("you use the stick as the angle. The stick moves the reference by 0.002 * stick in each call.",
             replace("self.q_ref + 0.002 * stick", "stick")),
     Mistake("you don't clamp the reference at both ends. Keep it between joint.range[0] and joint.range[1].",
             replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
                     "= -self.joint.range[1], self.joint.range[1]")),
-    Mistake("you use the clamped reference but store the unclamped one, "
-            "which takes time to come back. Store the clamped one.",
+    Mistake("you use the clamped reference but store the unclamped reference, which then takes time to return into the "
+            "range. Store the clamped reference.",
             both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
                  replace("self.joint = joint", "self.far, self.joint = joint.position, joint"),
                  replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
@@ -93,7 +93,7 @@ MISTAKES = [
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = q_ref")),
     Mistake("you don't store q_ref in self.q_ref. The next call starts from it.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
-    Mistake("you set self.q_prev to the reference. Store the joint's angle there, q.",
+    Mistake("you set self.q_prev to the reference. Set it to the joint's angle, q.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
     Mistake("you compute the torque with the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),
@@ -102,12 +102,12 @@ MISTAKES = [
             both(replace("self.joint.effort =", "self.joint.effort +="),
                  replace("200 * (q_ref - q) + 50 * (dq_ref - dq)", "200 * (q_ref - q) + 50 * (dq_ref - dq)",
                          "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),
-    Mistake("you set no torque while the stick is at rest. The joint has to be held even then.",
+    Mistake("you set no torque while the stick is at rest. The joint needs a torque even then.",
             replace("lower, upper =", "if not stick: return\nlower, upper =")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: move and clamp q_ref, compute both speeds, and set "
            "joint.effort to 200 * (q_ref - q) + 50 * (dq_ref - dq), unclamped.")  # fmt: skip
-POSITION = "You probably set joint.position to the result. A motor takes a torque: set joint.effort."
+POSITION = "You probably set joint.position to the result. A motor needs a torque: set joint.effort."
 
 NARROW = (-0.1700001, 0.7800001)  # [rad]; slightly more than a whole number of moves from the cases' starting angles
 
@@ -156,8 +156,8 @@ CASES = [
     Case("half stick down, the joint follows", last(STILL, (-0.5, -1.0, 20))),
     Case("stick at rest, the joint is pushed", last((0.0, 0.0, 2), (0.0, 0.5, 20))),
     Case("full stick at the end of the range", last(UP, begin=0.7),
-         "You probably stop the reference too early or too late. "
-         "Its limits are joint.range[0] and joint.range[1], in rad."),
+         "You probably stop the reference too early or too late. The reference's limits "
+         "are joint.range[0] and joint.range[1], in rad."),
     Case("the stick reversed at the end of the range", last(UP, (-1.0, 0.0, 1), begin=0.7)),
     Case("full stick down at the lower end of the range, then up", last((-1.0, 0.0, 60), (1.0, 0.0, 1), begin=-0.1)),
     Case("full stick, with steps of 5 ms", last(STILL, (1.0, 0.3, 9), dt=0.005),

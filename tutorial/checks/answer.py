@@ -134,16 +134,16 @@ WHERE = (
     "You probably read the joint on the executor's thread, in the middle of a step, or read it only once. "
     "Have the simulation's thread read it for each request: self.ask(self.read, timeout=0.5)."
 )
-HOW = "Hand the request over, and wait for the answer: self.ask(self.read, timeout=0.5)."
+HOW = "Pass the request to the simulation's thread, and wait for the answer: self.ask(self.read, timeout=0.5)."
 CASES = [
     Case("in a simulation, the turret at 0.25 rad", read("Tank", 0.25), WHERE, crashes=True),
     Case("on the body Rover, in two simulations", read("Rover", -0.5, 1.0), WHERE),
     Case("without a simulation", refused,
-         "You probably report success, or a text of your own. If ask raises a RefusedError, the message is its text, "
-         "and success is False.", crashes=True),
+         "You probably report success, or your own text. If ask raises a RefusedError, set message to the error's "
+         "text, and success to False.", crashes=True),
     Case("while a step takes 1.2 s", late,
-         "You probably leave out the timeout. Write self.ask(self.read, timeout=0.5)."),
+         "You probably omit the timeout. Write self.ask(self.read, timeout=0.5)."),
     Case("after unconfigure", left,
-         "You probably leave the service behind. In unconfigure: self.node.destroy_service(self.service)."),
+         "You probably don't destroy the service. In unconfigure: self.node.destroy_service(self.service)."),
 ]  # fmt: skip
 answer = Exercise("answer", __doc__, Cases(AngleServer, CASES, [], HOW, one_by_one=True))

@@ -84,13 +84,13 @@ def twice(trial: Trial) -> str:
 CASES = [
     Case("a pit stop", stops(("open", "home")),
          "You probably return too early, ask in a different order, or return the wrong response. "
-         "Await the response of /open_door, then that of /go_home, and return the latter."),
+         "Await the response of /open_door, then the response of /go_home, and return the second response."),
     Case("a door that stays closed", stops(("no key", "home")),
-         "You probably don't test opened.success. If it is False, return that response, and ask no further."),
+         "You probably don't test opened.success. If it is False, return that response, and don't call /go_home."),
     Case("a tank that cannot go home", stops(("open", "no fuel")),
-         "You probably report success whatever /go_home says. Return its response."),
+         "You probably report success even if /go_home fails. Return the response of /go_home."),
     Case("two pit stops, then unconfigure", twice,
-         "You probably leave something behind. In unconfigure, destroy the service with node.destroy_service, "
+         "You probably don't destroy everything. In unconfigure, destroy the service with node.destroy_service, "
          "and both clients with node.destroy_client."),
 ]  # fmt: skip
 ask = Exercise("ask", __doc__, Cases(PitCrew, CASES, [], UNANSWERED, one_by_one=True))

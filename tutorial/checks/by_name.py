@@ -58,9 +58,9 @@ MISTAKES = [
     Mistake("you test only for NaN. An infinity isn't finite either: use math.isfinite.",
             replace("isfinite(position)", "position == position")),
 ]  # fmt: skip
-MEANING = "You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite."
-A_DICT = "Return a dict that maps names to positions, empty if no pair counts. dict(pairs) makes a dict from pairs."
-KEPT = "You probably reuse one dict in all calls. Make a new one in every call, not as a default argument."
+MEANING = "You probably use the wrong pairs: use each pair whose name is in joint_names and whose position is finite."
+A_DICT = "Return a dict that maps names to positions, empty if no pair is valid. dict(pairs) makes a dict from pairs."
+KEPT = "You probably reuse one dict in all calls. Make a new dict in every call, not as a default argument."
 
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
@@ -96,26 +96,26 @@ def pairs(found: dict[Any, Any]) -> list[str]:
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
-UNKNOWN = ("You probably look up unknown names, or stop at the first "
-           "one. Leave out that pair, and continue with the next.")  # fmt: skip
-EMPTY = "You probably expect at least one position. If there are none, return {}."
-NOT_A_NUMBER = ("You probably keep NaN, or let it affect the other "
-                "joints. Leave out only that pair; math.isfinite finds it.")  # fmt: skip
-TWICE = "You probably use the wrong position of a repeated name, or leave the name out. Use its last finite position."
+UNKNOWN = ("You probably look up unknown names, or stop at the first unknown name. Skip that pair, and "
+           "continue.")  # fmt: skip
+EMPTY = "You probably expect at least one position. Without positions, return {}."
+NOT_A_NUMBER = ("You probably return NaN, or let it affect the other "
+                "joints. Skip only that pair; math.isfinite detects it.")  # fmt: skip
+TWICE = "You probably use the wrong position of a repeated name, or omit the name. Use its last finite position."
 CASES = [
     Case("all joints, in order", heard(BODY, (0.1, 0.2, 0.3)),
          "You probably return something other than {name: position} "
          "with all pairs. Fill one dict, and return it after the loop.", crashes=True),
     Case("joints in a different order", heard(BODY[::-1], (0.3, 0.2, 0.1)),
-         "You probably expect the message to have the body's order. "
+         "You probably expect the joints in the body's order. "
          "Take each position's joint from the message's names.", crashes=True),
     Case("a message with only HATCH", heard(("HATCH",), (0.3,)),
-         "You probably expect every joint in every message, or make up a number for a missing one. "
-         "Leave out a joint that the message does not name.",
+         "You probably expect every joint in every message, or invent a number for a missing joint. Omit a joint that "
+         "the message does not name.",
          crashes=True),
     Case("an unknown name, ANTENNA", heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)), UNKNOWN, crashes=True),
     Case("3 names, 2 positions", heard(BODY, (0.1, 0.2)),
-         "You probably expect a position for every name. Use zip: it leaves out names without a position.",
+         "You probably expect a position for every name. Use zip: it skips names without a position.",
          crashes=True),
     Case("no positions", heard(BODY, ()), EMPTY, crashes=True),
     Case("NaN for TURRET_P", heard(BODY, (0.1, nan, 0.3)), NOT_A_NUMBER, crashes=True),
@@ -123,7 +123,7 @@ CASES = [
     Case("TURRET_Y twice, then smaller", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE,
          crashes=True),
     Case("TURRET_Y at 0, HATCH below 0", heard(BODY, (0.0, 0.2, -0.3)),
-         "You probably leave out 0, as `if position` does, or negative numbers. Both are positions.", crashes=True),
+         "You probably skip 0, as `if position` does, or negative numbers. Both are valid positions.", crashes=True),
     Case("an unknown name in the middle", heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)), UNKNOWN,
          crashes=True),
     Case("NaN for HATCH, the last joint", heard(BODY, (0.1, 0.2, nan)), NOT_A_NUMBER, crashes=True),
@@ -132,11 +132,11 @@ CASES = [
     Case("TURRET_Y twice, NaN last", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
     Case("an empty message", heard((), ()), EMPTY, crashes=True),
     Case("2 names, 3 positions", heard(BODY[:2], (0.1, 0.2, 0.3)),
-         "You probably expect a name for every position. Use zip: it leaves out positions without a name.",
+         "You probably expect a name for every position. Use zip: it skips positions without a name.",
          crashes=True),
     Case("names that are almost right", heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
          "You probably change names before you compare them, or you compare only "
-         "parts of them. A name counts only if it equals a joint's name.", crashes=True),
+         "parts of them. Use a name only if it equals a joint's name.", crashes=True),
     Case("a position with many digits", heard(BODY, (0.123456, -9.23456, 0.3)),
          "You probably convert or round positions, or drop their sign. Return them unchanged.", crashes=True),
     Case("a message for the crane", heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),

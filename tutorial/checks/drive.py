@@ -87,11 +87,11 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or you drop that message, so the tank "
-            "keeps its last speed. Set 0.",
+    Mistake("you set no speed while the stick is at rest, or you drop that message, so the tank keeps its last speed. "
+            "Set the speed to 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
-    Mistake("you swap left and right. With the stick to the left, left_x "
-            "> 0, the left track slows down and the right one speeds up.",
+    Mistake("you swap left and right. If the stick is to the left (left_x > 0), the left track is slower and the right "
+            "track is faster.",
             replace("0.5 * left_x", "-0.5 * left_x")),
     Mistake("you swap left_x and left_y. axes[0] is left_x, sideways, and axes[1] is left_y, forward.",
             replace("left_x, left_y =", "left_y, left_x =")),
@@ -191,12 +191,12 @@ def halved(trial: Trial, in_callback: bool) -> str:
     return "half of the message is used" if set(seen) - whole else "either the whole message is used, or none of it yet"
 
 
-AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Keep every message."
-MISSING = ("You probably expect every axis to be present, or drop a message with too few. "
-           "Missing axes count as 0; four_axes(message) fills them in.")  # fmt: skip
+AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Store every message."
+MISSING = ("You probably expect every axis to be present, or drop a message with too few axes. Missing "
+           "axes count as 0; four_axes(message) fills them in.")  # fmt: skip
 NEWEST = ("You probably let a message expire, or drop messages that arrive too "
           "close together. Use the newest message until the next one arrives.")  # fmt: skip
-KEPT = "You probably create self.joy in initialize, which forgets the last message. Create it in configure."
+KEPT = "You probably create self.joy in initialize, which discards the last message. Create it in configure."
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
          "You probably use \"/joy\" or a different topic or type, or don't "
@@ -204,7 +204,7 @@ CASES = [
     Case("a message, before the next step", after("start", DRIVES),
          "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
-         "You probably assume that a message has arrived. Before the first one, use an empty message: Latest(Joy()).",
+         "You probably assume that a message has arrived. Before the first message, use an empty one: Latest(Joy()).",
          crashes=True),
     Case("the second step does the same", second_step, "You probably smooth the speeds, or use a message in only "
          "one step. Set the full speeds immediately, and in every step."),
@@ -215,21 +215,23 @@ CASES = [
     Case("a message with 0 axes", after("start", DRIVES, 1, (), 1), MISSING, crashes=True),
     Case("a message with 1 axis", after("start", DRIVES, 1, (1.0,), 1), MISSING, crashes=True),
     Case("a message with 8 axes", after("start", DRIVES, 1, (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4), 1),
-         "You probably require a certain number of axes. There can be more: four_axes(message) returns the first four.",
+         "You probably require a certain number of axes. "
+         "A message can have more: four_axes(message) returns the first four.",
          crashes=True),
     Case("300 steps without a message", after("start", DRIVES, 300), NEWEST),
     Case("four messages between two steps", after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
-         "You probably queue the messages, or keep the first. Keep only the newest: put each into the same Latest."),
+         "You probably queue the messages, or use the first. "
+         "Keep only the newest: put each message into the same Latest."),
     Case("a message before the start", after(DRIVES, "start", 1), KEPT),
     Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
     Case("two tanks", two,
          "You probably store the message on the class, so all tanks share it. Create self.joy in configure."),
     Case("control runs between the callback's instructions", lambda trial: halved(trial, True),
          "Your callback probably stores a message in several parts, "
-         "and control runs in between. Put it into self.joy as a whole."),
+         "and control runs in between. Put the whole message into self.joy."),
     Case("a message arrives between control's instructions", lambda trial: halved(trial, False),
          "Your control probably reads self.joy twice, and a message "
-         "arrives in between. Get it once, and read both axes from it."),
+         "arrives in between. Get the message once, and read both axes from it."),
     Case("a message as soon as the subscription exists", early(Rig, Joy(axes=DRIVES))),
     Case("after unconfigure", lambda trial: Rig(trial).leave()),
 ]  # fmt: skip

@@ -73,28 +73,28 @@ MISTAKES = [
             "A subscription that is not reliable accepts any publisher.",
             replace("if each.reliable or not subscription.reliable", "if each.reliable == subscription.reliable",
                     "if each.reliable")),
-    Mistake("you test reliability the wrong way round: the subscription asks, "
-            "and the publisher has to offer at least as much.",
+    Mistake("you test reliability the wrong way round: the publisher has to offer at least what the subscription "
+            "requests.",
             replace("if each.reliable or not subscription.reliable", "if subscription.reliable or not each.reliable")
             + REVERSED
             + both(REVERSED, replace("if not durable:", "if subscription.transient_local and not durable:"))),
     Mistake("you require the same durability on both sides. A VOLATILE subscription accepts any publisher.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if each.transient_local == subscription.transient_local", "if each.transient_local")),
-    Mistake("you test durability the wrong way round: the subscription asks, "
-            "and the publisher has to offer at least as much.",
+    Mistake("you test durability the wrong way round: the publisher has to offer at least what the subscription "
+            "requests.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if subscription.transient_local or not each.transient_local")
             + replace("if not durable:",
                       "if not subscription.transient_local and all(each.transient_local for each in reliable):",
                       "if not subscription.transient_local and any(each.transient_local for each in reliable):")),
-    Mistake("you check only the first publisher. A subscription needs one compatible publisher: check all of them.",
+    Mistake("you check only the first publisher. A subscription needs one compatible publisher: check all publishers.",
             replace("facts.publishers if each.type", "facts.publishers[:1] if each.type")
             + replace("if not same:", "if facts.publishers[0].type != subscription.type:")
             + replace("if not reliable:", "if subscription.reliable and not facts.publishers[0].reliable:")),
-    Mistake("you check only the first subscription. Check all of them: only one of them may be incompatible.",
+    Mistake("you check only the first subscription. Check all subscriptions: a single one can be incompatible.",
             replace("in facts.subscriptions", "in facts.subscriptions[:1]")),
-    Mistake("you require every publisher to be compatible. One is enough for a subscription.",
+    Mistake("you require every publisher to be compatible. One compatible publisher is enough for a subscription.",
             replace("if not same:", "if len(same) < len(facts.publishers):")
             + replace("if not reliable:", "if len(reliable) < len(same):")
             + replace("if not durable:", "if len(durable) < len(reliable):")),
@@ -112,14 +112,14 @@ MISTAKES = [
     Mistake("you return 'silent' before you test for the clock. Return the first cause in the list that applies.",
             replace('"clock" if waiting and not facts.clock_ticks else "silent"', '"silent"')),
     Mistake("you compare clock_users with the nodes of the subscriptions. "
-            "It is the publisher's node that has to follow /clock.",
+            "The publisher's node has to follow /clock.",
             replace("clock_users for each in facts.publishers", "clock_users for each in facts.subscriptions")),
     Mistake("you blame the clock although its messages arrive. Also test clock_ticks.",
             replace("waiting and not facts.clock_ticks", "waiting")),
     Mistake("you blame the clock although no publisher follows it. "
             "Test whether the node of a publisher is in clock_users.",
             replace("waiting and not", "not", "facts.clock_users and not")),
-    Mistake("you report dropped messages as soon as one moves no joint. It takes more than half of them.",
+    Mistake("you report dropped messages as soon as one moves no joint. Require more than half of them.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved")),
     Mistake("you report dropped messages only if no message moves a joint. More than half is enough.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved == facts.received")),
@@ -172,9 +172,9 @@ def named(trial: Trial, facts: Facts) -> str:
 
 
 ORDER = "You probably test the causes in a different order. Return the first one in the list that applies."
-OTHER_TYPE = "You probably count a publisher of a different type. Only one of the subscription's type can match."
-EACH = "You probably check only one subscription, or only whether any of them has a publisher. Each one needs one."
-ALONE = "You probably look at something else first. Without a publisher, only found_in tells the two causes apart."
+OTHER_TYPE = "You probably count a publisher of a different type, which never matches the subscription."
+EACH = "You probably check only one subscription, or only whether any of them has a publisher. Each needs a publisher."
+ALONE = "You probably look at something else first. Without a publisher, only found_in distinguishes the two causes."
 TYPES = "You probably don't compare the types of both sides: each.type == subscription.type."
 CASES = [
     Case("a compatible publisher and subscription", graph(TANK)),
@@ -210,7 +210,7 @@ CASES = [
     Case("two subscriptions, one of a different type", graph(TANK, to=(VIEWER, SHAKER)), EACH),
     Case("two subscriptions, only one of them accepts best effort", graph(SENSOR, to=(EASY, VIEWER)), EACH),
     Case("no subscription", graph(TANK, to=()),
-         "You probably expect a subscription. Without one, go on to the messages.", crashes=True),
+         "You probably expect a subscription. Without a subscription, continue with the messages.", crashes=True),
     Case("no message arrives", graph(TANK, received=0)),
     Case("no message arrives, and the types differ", graph(STRANGER, received=0), ORDER),
     Case("no message arrives, and reliability differs", graph(SENSOR, received=0), ORDER),
@@ -222,7 +222,7 @@ CASES = [
          graph(TANK, received=0, clock_users=("/viewer",))),
     Case("no message arrives, and one of three publishers follows /clock",
          graph(TANK, KEEPER, SENSOR, received=0, clock_users=("/keeper",)),
-         "You probably want each publisher to follow /clock, or check only one. One that follows /clock is enough."),
+         "You probably require every publisher to follow /clock, or check only one. A single one is enough."),
     Case("no message arrives, and only nodes with similar names follow /clock",
          graph(TANK, received=0, clock_users=("/tank2", "/tan")),
          "You probably match only part of the name. Compare whole names: each.node in facts.clock_users."),

@@ -89,7 +89,7 @@ MISTAKES = [
                  replace("len(message.buttons) > 0 and message.buttons[0]", "len(buttons) > 0 and buttons[0]"))),
 ]  # fmt: skip
 MEANING = "Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1."
-NO_LATEST = "You probably assign self.fire. Keep the Latest that __init__ made: self.fire.put(...) replaces its value."
+NO_LATEST = "You probably assign self.fire. Use the Latest that __init__ made: self.fire.put(...) replaces its value."
 NO_TRUTH = "Put True or False. bool(...) converts any value to one of them."
 NO_CLOCK = (
     "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put each message's "

@@ -75,7 +75,7 @@ MISTAKES = [
     Mistake("you return gaps and restarts separately: keep the bag's order.",
             replace("return found", "return sorted(found, key=lambda each: each[0])",
                     "return sorted(found, key=lambda each: each[0], reverse=True)")),
-    Mistake("you leave out a gap or restart that is identical to an earlier one: report it again.",
+    Mistake("you skip a gap or restart that is identical to an earlier one: report it again.",
             replace("return found", "return [*dict.fromkeys(found)]")
             + replace('found.append(("restart"', '("restart", newest, stamp) in found or found.append(("restart"')),
     Mistake("after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.",
@@ -87,15 +87,14 @@ MISTAKES = [
     Mistake("you use only sec or only nanosec, which restarts at 0 every second: a stamp consists of both.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
-    Mistake("you compare the bag's own times. They say when a message "
-            "was received, not when it was made: compare the stamps.",
+    Mistake("you compare the bag's own times. These are times of receipt: compare the stamps.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "_")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "
            'in nanoseconds. Compare each stamp with it, append ("gap", newest, stamp) or '
            '("restart", newest, stamp) where needed, and then update newest.')  # fmt: skip
 A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), or [] if there are no events.'
-WORDS = 'The only words are "gap" and "restart". A late message is not reported.'
+WORDS = 'The only kinds of events are "gap" and "restart". A late message is not reported.'
 
 HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
@@ -161,8 +160,8 @@ RECEIPT = f"Most likely {MISTAKES[-1].cause}"
 BOTH_PARTS = ("You probably use only sec or only nanosec, which restarts "
               "at 0 every second: a stamp consists of both.")  # fmt: skip
 FRACTION = "You probably compute seconds as floats, which are rounded: use whole nanoseconds."
-RESTART_FROM_0 = ("You probably use a different limit for a restart: the stamp is "
-                  "more than 1_000_000_000 ns before the newest one.")  # fmt: skip
+RESTART_FROM_0 = ("You probably use a different limit for a restart: its stamp is more "
+                  "than 1_000_000_000 ns before the newest one.")  # fmt: skip
 NEWEST = ("You probably compare each stamp with the one before it, or report "
           "any jump backwards as a restart: compare it with the newest so far.")  # fmt: skip
 EXACTLY = ("You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 "

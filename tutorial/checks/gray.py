@@ -240,23 +240,22 @@ def frame(frame_id: str) -> str:
 CASES = [
     Case("the content", PUBLISHING.sent(0.7)),
     Case("the size", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
-         "You probably swap width and height, leave them out or hard-code "
-         "them: message.height, message.width, _ = pixels.shape."),
+         "You probably swap, omit or hard-code width and height: message.height, message.width, _ = pixels.shape."),
     Case("the encoding", PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
-         "You probably leave out the encoding, or name a different "
-         'one: one byte per pixel is called "mono8", in lower case.'),
+         "You probably omit the encoding, or set a different one: one "
+         'byte per pixel is called "mono8", in lower case.'),
     Case("the row", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
-         "You probably leave out step, or count three bytes per pixel: a row has message.step = message.width bytes."),
+         "You probably omit step, or count three bytes per pixel: a row has message.step = message.width bytes."),
     Case("the frame", PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
-         "You probably hard-code or leave out the body's name, or use a "
+         "You probably hard-code or omit the body's name, or use a "
          'different frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
     Case("the stamp", stamps, "You probably lose the time of the request, or a part of it. Pass it to "
          "self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec."),
     Case("late and missing pictures", lambda trial: stamps(trial, delay=40, missed=2),
-         "You probably leave out some requests, or don't stamp each picture with the time of "
+         "You probably skip some requests, or don't stamp each picture with the time of "
          "its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
     Case("nothing moves, so all pictures are identical", still,
-         "You probably leave out a picture that is identical to an earlier one. "
+         "You probably skip a picture that is identical to an earlier one. "
          "Publish all of them: a repeated message is still a message."),
     Case("after stop", left_open, "You probably don't close the camera in stop, or you look up several cameras: "
          "look it up once, in initialize, and call self.camera.close() in stop."),

@@ -95,12 +95,12 @@ MISTAKES = [
             replace("np.mean(self.samples, axis=0)", "np.sum(self.samples, axis=0)",
                     "(np.sum(self.samples, axis=0) * self.io.time_step)",
                     "(np.sum(self.samples, axis=0) / self.steps_per_message)")),
-    Mistake("you send the value of only one step. Keep the values of all steps, and send their average.",
+    Mistake("you send the value of only one step. Collect the values of all steps, and send their average.",
             replace("np.mean(self.samples, axis=0)", "self.samples[-1]")),
     Mistake("you average over all numbers at once, or over x, y and z. Average each component separately, with axis=0.",
             replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
                     "np.mean(self.samples, axis=1)")),
-    Mistake("you keep old measurements after a message. Empty the list, "
+    Mistake("you don't discard measurements after a message. Empty the list, "
             "or set sum and count to 0.",
             replace("self.samples.clear()", "pass")),
     Mistake("you reset only the sum or only the count after a message. Reset "
@@ -116,18 +116,18 @@ MISTAKES = [
                          "self.samples += self.late\nself.late = [self.sensor.value]"),
                  replace("if self.io.step %", "if self.io.step %", "if self.samples and self.io.step %"),
                  replace("np.mean(self.samples,", "np.mean(self.samples,", "np.mean(self.samples or [np.zeros(3)],"))),
-    Mistake("you mix up x, y and z, or send only z. The sensor's value has all three, in this order.",
+    Mistake("you mix up x, y and z, or send only z. The sensor's value contains all three, in this order.",
             replace("velocity.x, velocity.y, velocity.z =", "velocity.z, velocity.y, velocity.x =",
                     "velocity.y, velocity.x, velocity.z =", "velocity.x, velocity.z, velocity.y =",
                     "_, _, velocity.z =")),
     Mistake("you use the frame of the chassis. The crane's sensor is at "
-            "the tip of its jib: use the sensor's own frame, \".../GYRO\".",
+            "the tip of its jib: use the sensor's frame, \".../GYRO\".",
             replace('{self.sensor.name}"', 'base_link"')),
     Mistake("you convert the angular velocity. Send it unchanged: the "
             "sensor and the message both use rad/s.",
             replace("self.sensor.value)", "np.degrees(self.sensor.value))", "np.radians(self.sensor.value))")),
 ]  # fmt: skip
-MEANING = ("You probably leave out measurements, count some twice, or weight them. "
+MEANING = ("You probably skip measurements, count some twice, or weight them. "
            "Publish the plain average of all measurements since the last message, one from each step.")  # fmt: skip
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
@@ -181,7 +181,7 @@ def frame(_rig: Rig, sent: list[Sent]) -> str:
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
 RESTING = dataclasses.replace(PUBLISHING, scene=partial(shaken, signal=np.zeros((1, 3))))
-FRAME = ("You probably leave out the name of the body or the sensor: "
+FRAME = ("You probably omit the name of the body or the sensor: "
          'message.header.frame_id = f"{self.io.body.name}/GYRO".')  # fmt: skip
 CASES = [
     Case("the content", PUBLISHING.sent(0.45, ms=2)),
@@ -193,7 +193,7 @@ CASES = [
     Case("on the crane, with steps of 20 ms", PUBLISHING.sent(0.45, model="crane", ms=20)),
     Case("on a robot that doesn't turn", RESTING.rate(10),
          "You probably publish nothing while the robot doesn't turn. Publish every "
-         "message: receivers can't tell rest from a lost connection."),
+         "message: receivers can't distinguish rest from a lost connection."),
     Case("on a robot with only a gyroscope", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
          "You probably also use the accelerometer, which this robot lacks. Send only the gyroscope's measurements."),
 ]  # fmt: skip

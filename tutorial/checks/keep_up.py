@@ -35,7 +35,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 BURST = 50
-MOST = 10_000  # the limit on instructions of a method; the other thread interrupts at each of them
+MOST = 10_000  # the maximum number of a method's instructions; the other thread interrupts at each of them
 BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 
 
@@ -129,7 +129,7 @@ OWN = [
     Case("then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
          "You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest."),
     Case("a message that arrives while an earlier one is being drawn", steps(in_any_order),
-         "You probably clear the flag of a waiting call too late, or keep a message in several "
+         "You probably clear the flag of a waiting call too late, or store a message in several "
          "parts. Pass the whole message with the call, and leave the rest to call_latest."),
 ]  # fmt: skip
 

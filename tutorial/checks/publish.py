@@ -124,16 +124,16 @@ def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
 
 PUBLISHING = Publishing(JointState, "turret", 25, moving, joints)
 CASES = [
-    Case("the names", PUBLISHING.sent(0.2, names), "You probably leave out joints, repeat some, or rename them. "
+    Case("the names", PUBLISHING.sent(0.2, names), "You probably omit joints, repeat some, or rename them. "
          "Each message has [joint.name for joint in self.joints]."),
     Case("position", PUBLISHING.sent(0.2, partial(numbers, field="position")),
-         "You probably leave out position, round or convert it, mix up the joints, or send old "
+         "You probably omit position, round or convert it, mix up the joints, or send old "
          "values. Read all values for each message: [joint.position for joint in self.joints]."),
     Case("velocity", PUBLISHING.sent(0.2, partial(numbers, field="velocity")),
-         "You probably leave out velocity, compute it yourself, mix up the joints, or send old "
+         "You probably omit velocity, compute it yourself, mix up the joints, or send old "
          "values. Read all values for each message: [joint.velocity for joint in self.joints]."),
     Case("effort", PUBLISHING.sent(0.2, partial(numbers, field="effort")),
-         "You probably leave out effort, mix up the joints, or send old values. "
+         "You probably omit effort, mix up the joints, or send old values. "
          "Read all values for each message: [joint.effort for joint in self.joints]."),
     Case("while nothing moves", at_rest, "You probably publish only changes. Publish every "
          "message, even if it repeats the previous one."),

@@ -71,15 +71,15 @@ MISTAKES = [
             replace("self.on_joint_state, qos_profile_sensor_data",
                     "self.on_joint_state, QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, "
                     "durability=DurabilityPolicy.TRANSIENT_LOCAL)")),
-    Mistake("your subscription asks for what the screen asks for. The robot offers less: use qos_profile_sensor_data.",
+    Mistake("your subscription requests the screen's QoS. The robot offers less: use qos_profile_sensor_data.",
             replace("self.on_joint_state, qos_profile_sensor_data", "self.on_joint_state, kept")),
     Mistake("your publisher is VOLATILE, and the screen asks for TRANSIENT_LOCAL: set the durability in its profile.",
             replace("durability=DurabilityPolicy.TRANSIENT_LOCAL", "durability=DurabilityPolicy.VOLATILE")),
     Mistake("your publisher is BEST_EFFORT, and the screen asks for RELIABLE: leave the reliability at its default.",
             replace("depth=1, durability", "depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, durability")),
-    Mistake("your publisher drops old messages, so a screen that starts late gets none. Leave out lifespan.",
+    Mistake("your publisher drops old messages, so a screen that starts late gets none. Omit lifespan.",
             replace("LOCAL)", "LOCAL, lifespan=Duration(seconds=1))")),
-    Mistake("your publisher offers what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
+    Mistake("your publisher offers only what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
             replace('"/wall/joint_state", kept', '"/wall/joint_state", qos_profile_sensor_data')),
     Mistake("you subscribe to the screen's topic, and publish on the robot's: swap the two.",
             both(replace('"/wall/joint_state"', "ROBOT"), replace('"/robot/joint_state"', "WALL"))),
@@ -94,7 +94,7 @@ MEANING = ("Compare your code with this: one subscription to /robot/joint_state 
 ELSEWHERE = "Publish each message in on_joint_state, immediately, and only there."
 SHARED = "Your subscription uses it, too. Make a new QoSProfile for the publisher."
 ROBOT, WALL = "/robot/joint_state", "/wall/joint_state"
-OFFERED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)  # an answer can change qos_profile_sensor_data
+OFFERED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)  # a new profile: an answer can change rclpy's
 ASKED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -171,7 +171,7 @@ class HastyNode(MemoryNode):
     def create_subscription(self, *given: Any, **named: Any) -> Made:
         """Create a subscription, and call its callback."""
         made = super().create_subscription(*given, **named)
-        with suppress(AttributeError):  # the publisher may be missing; other mistakes also fail in the other cases
+        with suppress(AttributeError):  # the publisher may be missing; other cases detect all other mistakes
             made.callback(message_of(0.5))
         return made
 
@@ -251,13 +251,13 @@ def on_ros(trial: Trial) -> str:
 
 CASES = [
     Case("from the robot to the relay", from_robot,
-         "You probably subscribe to a different topic or type, or not in __init__, or more than once."),
+         "You probably subscribe to a different topic or type, outside of __init__, or more than once."),
     Case("from the relay to the screen", to_screen,
          "You probably publish on a different topic or type, or create the publisher only in the callback."),
     Case("a message", shown(0.5),
-         "You probably publish a new message, change it, or publish it twice. Publish the message that you get, once."),
+         "You probably publish a new or changed message, or publish it twice. Publish the received message once."),
     Case("a message while no screen is there", shown(0.3, screens=0),
-         "You probably publish only while a screen is connected. Publish always: a late screen gets the message, too."),
+         "You probably publish only while a screen is connected. Publish every message: a late screen also gets it."),
     Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
          "You probably drop messages or change their order. Publish each message in the callback."),
     Case("the same message three times", shown(0.5, 0.5, 0.5),

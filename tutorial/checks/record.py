@@ -66,8 +66,7 @@ class MyRecorder(QueueRecorder):
 MISTAKES = [
     Mistake("you close the bag while the thread can still write: call self.writer.join() first, without a timeout.",
             replace("self.writer.join()", "pass", "self.bag.close()\nself.writer.join()")),
-    Mistake("you call get twice for one entry, and each call removes "
-            "one: call it once, keep the entry, and write it.",
+    Mistake("you call get twice for one entry, and each call removes an entry: call get once, and write its result.",
             both(replace("received := self.received.get()", "self.received.get()"),
                  replace("*received)", "*self.received.get())"))),
     Mistake("you end the thread when the queue is empty, as with `while "
@@ -79,18 +78,18 @@ MISTAKES = [
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
-    Mistake("you keep the messages until the end, and lose them if the "
-            "program crashes: write each one before you take the next.",
+    Mistake("you collect the messages until the end, and lose them if the program "
+            "crashes: write each message before you get the next.",
             replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
-           "Only the thread takes entries and writes, and only None ends it.")  # fmt: skip
-NEVER = "You probably put None after join, or not at all: put it before join, so the thread ends."
-PAST_NONE = "You probably continue after None: exit the loop when you get it."
-STOLEN = "You probably take None out of the queue outside of the thread: call get only in write, on the thread."
+           "Only the thread removes entries and writes them, and only None ends it.")  # fmt: skip
+NEVER = "You probably put None after join, or not at all: put it before join, so that the thread ends."
+PAST_NONE = "You probably continue after None: exit the loop after None."
+STOLEN = "You probably remove None from the queue outside of the thread: call get only in write, on the thread."
 BUSY = "A busy loop wastes CPU time: self.received.get() waits for an entry, and self.writer.join() for the thread."
 THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
-NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
+NO_SUPER = "Call it: it creates the queue, the bag, the thread and the subscription."
 TOO_EARLY = "super().configure(config) starts the thread: set everything that write needs before that line."
 OFTEN = 100  # the limit on consecutive calls to empty()
 
@@ -195,7 +194,7 @@ class Surroundings:
         """Return whether the queue is empty."""
         self.asked += 1
         if self.asked > OFTEN:
-            raise Misuse("it checks over and over whether the queue is empty", BUSY)
+            raise Misuse("it repeatedly checks whether the queue is empty", BUSY)
         return not self.entries
 
     def destroy(self, subscription: Any) -> None:
@@ -264,7 +263,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
         scene.join()
         also += ["the bag is still open"] * (leaves and scene.is_open)
         are_all = len(scene.written) == sum(each is not None for each in (*waiting, *coming))
-        also += ["each written only after the next one is taken"] * (scene.keeps and are_all)
+        also += ["each entry is written only after the next one is removed"] * (scene.keeps and are_all)
         return ", ".join([*(scene.written or ["nothing is written"]), *also])
 
     return case
@@ -273,11 +272,11 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 CASES = [
     Case("messages arrive one by one", tried(coming=[A, B, None]),
-         "You probably continue after None, or change an entry: take one, exit the loop if it is None, "
-         "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
+         "You probably continue after None, or change an entry: get an entry, exit the loop if it is None, and "
+         "otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
     Case("three messages are waiting in the queue", tried(A, B, C)),
     Case("identical messages are waiting in the queue", tried(A, B, B, (9, b"A")),
-         "You probably leave out a message that is identical to an earlier one. "
+         "You probably skip a message that is identical to an earlier one. "
          "Write every entry: a repeated message is still a message."),
     Case("a message arrives just as the recorder stops listening", tried(A, coming=[B]),
          "You probably stop listening too late, after put(None). Messages that arrive "

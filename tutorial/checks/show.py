@@ -129,11 +129,11 @@ FIRST = [
          "Match them by name, as match_joints does."),
     Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
     Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
-         "You probably expect every joint in every message, or leave out positions of 0 or "
-         "below. Set the joints that the message names, and leave the other joints where they are.", crashes=True),
+         "You probably expect every joint in every message, or skip positions of 0 or below. Set the joints that the "
+         "message names, and don't move the other joints.", crashes=True),
     Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
-         "You probably use a name that the body does not have. Leave it "
-         "out, and show the other joints, as match_joints does.", crashes=True),
+         "You probably use a name that the body does not have. Skip it, and show the other joints, as match_joints "
+         "does.", crashes=True),
     Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where),
          "You probably set NaN as a position. Leave that joint where it is, as match_joints does."),
     Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where),
@@ -142,11 +142,12 @@ FIRST = [
     Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
          "You probably drop a message because of its stamp. After the publisher "
          "restarts, its stamps are smaller than before, and two messages can have the same stamp."),
-    Case("the same message again", steps(repeated), "You probably leave out a message that repeats the positions of "
+    Case("the same message again", steps(repeated), "You probably skip a message that repeats the positions of "
          "the previous one. Show every message, and notify after each one."),
     Case("a message that arrives while the body is being drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
-         "You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message."),
+         "You probably hold a lock while you draw, so the callback waits. "
+         "Hold the lock only while you get the message."),
     Case("a call waiting when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
          PAST_THE_QUEUE),
 ]  # fmt: skip
@@ -160,8 +161,8 @@ ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
     *FIRST,
     Case("five messages whose calls are waiting at the same time", steps(wait_together),
-         "You probably lose messages, or change their order. Post one call "
-         "for each message, with call_later, and pass the message along."),
+         "You probably lose messages, or change their order. Post one call for each message: "
+         "self.call_later(self.update, message)."),
     *LAST,
 ]  # fmt: skip
 show = Exercise("show", __doc__, viewing(MyViewer, "joint_state", SWAPPED, ARRIVALS, CASES))

@@ -75,11 +75,11 @@ MISTAKES = [
             "start with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
-    Mistake("you send all joints in every message. Name those that have moved, and store what you have sent for them.",
+    Mistake("you send all joints in every message. Name only the joints that have moved, and store the sent positions.",
             replace("if n not in self.sent or abs(q - self.sent[n]) > 0.001}", "}")),
     Mistake("you treat a last position of 0 as missing, as in `if not last`. Check whether the name is in self.sent.",
             replace("n not in self.sent or", "not self.sent.get(n) or")),
-    Mistake("you send all joints as soon as one has moved. Name only those that have moved.",
+    Mistake("you send all joints as soon as one has moved. Name only the joints that have moved.",
             replace("message =", "news = positions\nmessage =")),
     Mistake("you name only one of the joints that have moved, perhaps because of a break. Name all of them.",
             replace("if news:", "news = dict([*news.items()][:1])\nif news:",
@@ -94,26 +94,27 @@ MISTAKES = [
             "from the position last sent: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "abs(self.io.body.joint(n).velocity) > 0.001",
                     "abs(self.io.body.joint(n).velocity) > 0.05")),
-    Mistake("you compare a position with itself: you update self.sent "
-            "too early, or store the joint, not the number. Compare first.",
+    Mistake("you compare a position with itself: you update self.sent too early, or store the joint instead of its "
+            "position. Compare first.",
             replace("n not in self.sent or abs(q - self.sent[n]) > 0.001", "n not in self.sent")),
     Mistake("you compare rounded positions. Test their distance: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "round(q, 3) != round(self.sent[n], 3)",
                     "int(q * 1000) != int(self.sent[n] * 1000)")),
-    Mistake("you compare without abs, or take abs of each position. "
+    Mistake("you compare without abs, or use abs for each position. "
             "A joint moves in both directions: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
                     "abs(abs(q) - abs(self.sent[n]))")),
-    Mistake("you don't store what you have sent, or you lose the other "
-            "joints with self.sent = ... Write self.sent.update(news).",
+    Mistake("you don't store the sent positions, or you lose the other joints with self.sent = ... "
+            "Write self.sent.update(news).",
             replace("self.sent.update(news)", "self.sent = news | self.sent", "self.sent = news")),
-    Mistake("your threshold is too large. Send a joint as soon as it is more than 0.001 rad (or m) away.",
+    Mistake("your threshold is too large. Send a joint as soon as it is "
+            "more than 0.001 rad (or m) from its last sent position.",
             replace("> 0.001", "> 0.1", "> 0.01")),
     Mistake(ALL_JOINTS, replace("self.io.body.joints", "self.io.body.joints[:2]",
                                 'map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))')),
 ]  # fmt: skip
-MEANING = ("Compare your code with this: when io.step % steps_per_look == 0, compare each "
-           "joint's position with the one last sent for it. Each message has new lists: the "
+MEANING = ("Compare your code with this: when io.step % steps_per_look == 0, compare each joint's position with its "
+           "last sent position. Each message has new lists: the "
            "names of the joints that have moved, and their positions, nothing else.")  # fmt: skip
 
 LOOK = 0.02  # [s]
@@ -182,6 +183,6 @@ CASES = [
     Case("two robots in turn", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
     Case("after a restart", lambda trial: PUBLISHING.restarted(trial, moves=(REST,), model="crane"),
          "You probably keep self.sent from the previous run, or wait for "
-         "step 0. Create self.sent in initialize, which runs again."),
+         "step 0. Create self.sent in initialize, which runs at every start."),
 ]  # fmt: skip
 thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, CASES, MISTAKES, MEANING))

@@ -48,10 +48,10 @@ class CommandTimeout:
 
 
 MISTAKES = [
-    Mistake("you set self.since too often, or your limit isn't 0.5 s. "
-            "Set it only if message is not self.message; don't keep a copy.",
+    Mistake("you set self.since too often, or your limit isn't 0.5 s. Set it only if message is not self.message; "
+            "don't store a copy.",
             replace("return seconds - self.since <= 0.5", "return True")),
-    Mistake("you count calls. A step can have any length: subtract seconds, seconds - self.since.",
+    Mistake("you count calls. A step can have any length: compute seconds - self.since.",
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
     Mistake("you subtract the message's stamp, which can be empty. "
@@ -124,7 +124,7 @@ CASES = [
          "You probably store id(message), and a later message can get "
          "the same id. Store the message itself, and use `is not`."),
     Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],
-         "You probably count calls. A step can have any length: subtract seconds, seconds - self.since."),
+         "You probably count calls. A step can have any length: compute seconds - self.since."),
     Case("two robots in turn, message A at 0 s, B at 0.25 s, A and B at 0.75 s",
          tried("A 0, B 0.25, A 0.75, B 0.75", objects=2)),
 ]  # fmt: skip

@@ -122,8 +122,8 @@ def described(trial: Trial) -> str:
 
 
 ALONE = (
-    "You probably use only the new values, or only the current ones. Take the current value of each parameter that is "
-    "not in the list, and the new value of each one that is."
+    "You probably use only the new values, or only the current ones. Use the new value of each parameter that is in "
+    "the list, and the current value of each other parameter."
 )
 CASES = [
     Case("the parameters, until unconfigure", described,
@@ -133,14 +133,14 @@ CASES = [
          "You probably refuse too much, don't return a SetParametersResult, or limits() returns old values. "
          "If the sum is at most 2.5, return SetParametersResult(successful=True)."),
     Case("speed 2.0", tried({"speed": 2.0}),
-         "You probably refuse 2.5 itself, or test each parameter by itself. Refuse only a sum above it: > 2.5."),
+         "You probably refuse 2.5 itself, or test each parameter separately. Refuse only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),
-         "You probably use the first value of speed, compare with a different limit, or give no reason with the sum. "
-         "Add the new turn and the current speed."),
+         "You probably use the first value of speed, compare with a different limit, or return a reason without the "
+         "sum. Add the new turn and the current speed."),
     Case("both at once, 0.4 and 2.0", tried({"speed": 0.4, "turn": 2.0}), ALONE),
     Case("both at once, 2.0 and 0.6", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
-         "You probably test each parameter by itself. Test the sum once, with all new values."),
-    Case("a parameter that belongs to others", tried({"width": 9.0, "turn": 0.7}),
-         "You probably expect only your own parameters in the list. Leave the others alone.", crashes=True),
+         "You probably test each parameter separately. Test the sum once, with all new values."),
+    Case("a parameter of other code", tried({"width": 9.0, "turn": 0.7}),
+         "You probably expect only your own parameters in the list. Ignore the other parameters.", crashes=True),
 ]  # fmt: skip
 tune = Exercise("tune", __doc__, Cases(TrackLimits, CASES, [], ALONE, one_by_one=True))

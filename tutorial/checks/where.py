@@ -50,7 +50,7 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
 
 
 MISTAKES = [
-    Mistake("you use only the last transform or only the first, or you leave one of them out. Use all transforms.",
+    Mistake("you use only the last transform or only the first, or you skip one of them. Use all transforms.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
     Mistake("you go from the first transform to the last. The point is in the last transform's "
@@ -140,8 +140,8 @@ def three(returned: Any) -> list[float]:
 ABOUT_Y = ("A rotation about z works, but one about a different axis doesn't. You probably "
            "have a mistake in the terms with x and y: compare with turned(q, point).")  # fmt: skip
 IN_TURN = ("You probably expect a certain number of transforms, or a certain frame. "
-           "Go from the last to the first, whatever their number: each one turns the "
-           "result of the one after it, and then adds its translation.")  # fmt: skip
+           "Go from the last to the first, whatever their number: each turns the result of the transform after it, and "
+           "then adds its translation.")  # fmt: skip
 CASES = [
     Case("a frame that is only translated", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
          "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
@@ -150,7 +150,7 @@ CASES = [
          "You probably have a mistake in the rotation itself: compare "
          "with turned(q, point). ROS uses x, y, z, w, with w last."),
     Case("translated, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-         "Translation and rotation each work on their own. You probably "
+         "Translation and rotation each work separately. You probably "
          "combine them in the wrong order: turn first, then add."),
     Case("turned about y, nose up", tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)), ABOUT_Y),
     Case("turned about x, on its side", tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)), ABOUT_Y),

@@ -101,7 +101,7 @@ def info(bag: Path) -> None:
 @click.option("-l", "--loop", is_flag=True, help="Play again and again, until Ctrl-C.")
 @click.option(
     "--clock",
-    type=Finite(min=0, min_open=True, max=1000),  # a simulation's step rate; much higher rates would delay the messages
+    type=Finite(min=0, min_open=True, max=1000),  # a simulation's step rate; much higher rates delay the messages
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",

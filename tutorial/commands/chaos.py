@@ -31,10 +31,10 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     multiple=True,
     callback=_parse_faults,
     metavar="FAULT[:SHARE]",
-    help="Put this fault into a share of the messages, from 0 to 1; by default, into all. Can be repeated.",
+    help="Apply this fault to a share of the messages, from 0 to 1; by default, to all. Can be repeated.",
 )
 @click.option(
-    "--from", "good", metavar="TOPIC", help="Take the correct messages from this topic, instead of a steady swing."
+    "--from", "good", metavar="TOPIC", help="Use the correct messages from this topic, instead of a steady swing."
 )
 @click.option(
     "--seed",

@@ -31,7 +31,7 @@ LIMIT = 60.0  # [s] time limit for each answer
     type=click.IntRange(1, 64),
     default=TOGETHER,
     show_default=True,
-    help="Judge this many notebooks at a time.",
+    help="Judge this many notebooks at the same time.",
 )
 @click.option(
     "--limit",
@@ -44,7 +44,7 @@ LIMIT = 60.0  # [s] time limit for each answer
 @click.option(
     "--json", "as_json", is_flag=True, help="Print JSON, with the full text of each check, instead of the table."
 )
-@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox. Use this only if you trust them.")
+@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox, if you trust all of them.")
 @click.option(
     "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
 )
@@ -78,7 +78,7 @@ def check(
 
     line = find_layout(layout)
     if junit is not None:
-        junit.open()  # a click LazyFile: fail before judging if it cannot be written
+        junit.open()  # a click LazyFile: fails before judging if the report cannot be written
     paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")

@@ -28,7 +28,7 @@ def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     table = _table("node", "topic", "sent", "received", "shown", "[Hz]", "median", "p99 [ms]")
     table.caption = (
         "median and p99 describe the time from publication to callback. Fewer messages can be received than sent: "
-        "the programs start one after another, and a queue of depth 1 keeps only the newest."
+        "the programs start one after another, and a queue of depth 1 holds only the newest message."
     )
     table.caption_justify = "left"
     for record in records:

@@ -222,7 +222,7 @@ def domain() -> Diagnosis:
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
     text = f"in domain {number}: {', '.join(named) or 'no other nodes'}"
     if len(counts) < len(names):
-        fix = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
+        fix = "give each node a different name: tank run step3 --ros-args -r __node:=viewer"
         return Diagnosis("note", f"{text}. Nodes with the same name cannot be distinguished", fix)
     return Diagnosis("ok", text)
 

@@ -34,7 +34,7 @@ def own_course() -> Path:
     Raises:
         TutorialError: the folder cannot be written to, or belongs to another user.
     """
-    elsewhere = "Go to a folder of your own, for instance with cd ~, and try again."
+    elsewhere = "Go to your own folder, for instance with cd ~, and try again."
     course = Path.cwd() / OWN if HOME == SHIPPED else HOME
     if course.exists() and not is_ours(course):
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")

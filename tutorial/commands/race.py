@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
-@click.command(short_help="Let a node of your own drive the tank along a line, and score it.")
+@click.command(short_help="Let your own node drive the tank along a line, and score the race.")
 @click.argument("drivers", nargs=-1, required=True, metavar="DRIVER...", type=FILE)
 @click.option("--layout", default="bend", show_default=True, help="Use this line: a name, or a YAML file of points.")
 @click.option(
@@ -57,7 +57,7 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
 
     line = find_layout(layout)
     if how["sandbox"]:
-        need_sandbox("leave out --sandbox")
+        need_sandbox("omit --sandbox")
     if replay is not None:
         try:
             replay.mkdir(parents=True, exist_ok=True)

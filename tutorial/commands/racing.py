@@ -47,7 +47,7 @@ PRELUDE = (
 
 NO_START, DRIVER_ENDED = "no start", "driver ended"
 LOOK = 0.05  # [s] between checks of the driver
-MEET_FOR = 20.0  # [s] how long a driver can take to create its publisher; imports are slow on a loaded machine
+MEET_FOR = 20.0  # [s] the longest wait for a driver's publisher; imports are slow on a loaded machine
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
 LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
@@ -139,7 +139,7 @@ class Driver:
 
         Outside a sandbox, a process survives if its parent has exited and it has also removed its mark.
         """
-        self._hear = lambda _: None  # Ctrl-C may make it print a traceback
+        self._hear = lambda _: None  # Ctrl-C can make the driver print a traceback
         before = self._family()
         parent_watch.signal_group(self._process.pid, signal.SIGINT)
         with suppress(subprocess.TimeoutExpired):

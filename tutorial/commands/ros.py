@@ -58,9 +58,9 @@ def remove_command() -> None:
     print_text("The real ROS 2 has been removed.\n")
 
 
-@ros.command(short_help="Show what the real ROS 2 is, and whether it is installed.")
+@ros.command(short_help="Describe the real ROS 2, and show whether it is installed.")
 def info() -> None:
-    """Show what the real ROS 2 is, and whether it is installed. tank doctor shows which ROS 2 is in use."""
+    """Describe the real ROS 2, and show whether it is installed. tank doctor shows which ROS 2 is in use."""
     hint = "" if folder.state() == "installed" else f". {folder.how_to_get_it()}"
     print_text(f"folder    {folder.prefix()}, {folder.state()}{hint}\n{folder.ABOUT.read_text(encoding='utf-8')}")
 

@@ -148,7 +148,7 @@ def demo(duration: float | None, headless: bool) -> int:
 
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
-    print_text("A joystick, a simulation and a viewer: three programs that talk over ROS 2 topics.\n")
+    print_text("A joystick, a simulation and a viewer: three programs that communicate over ROS 2 topics.\n")
     print_text("Open the two addresses below in a browser.\n")
     print_text(f"The demo stops after {duration:g} s.\n" if duration else "Press Ctrl-C to stop.\n")
     with tempfile.TemporaryDirectory(prefix="tank-") as directory:

@@ -40,7 +40,7 @@ class Referee(SimpleController):
         self.io, self.start = io, io.time
         line = line_points(io.body.model, io.body.data).tolist()
         if not line:
-            raise TutorialError("there is no line in this world. Add one to the project: 'model: race/bend.yaml'.")
+            raise TutorialError("there is no line in this world. Add a line to the project: 'model: race/bend.yaml'.")
         if math.dist(line[0], io.body.position[:2]) > REACH:
             raise TutorialError(f"the line begins more than {REACH:g} m from the tank, at {line[0]}. Move one of them.")
         self.race = Race(line, self.limit)

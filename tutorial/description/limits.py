@@ -9,7 +9,7 @@ from tutorial.description.poses import numbers
 from tutorial.model.actuators import actuators_of, is_motor
 
 UNLIMITED = 1e9
-"""Stands for "no limit" [rad, m, N.m, N, rad/s or m/s], because URDF requires a number."""
+"""Represents "no limit" [rad, m, N.m, N, rad/s or m/s], because URDF requires a number."""
 
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:

@@ -60,7 +60,7 @@ def effort_command(model: mujoco.MjModel, joint: int) -> Command:
             raise TutorialError(f"{_title(model, joint)} does not accept an effort: {_what(model, actuator)}")
     if not actuators:
         raise TutorialError(
-            f"{_title(model, joint)} has no motor of its own. Give it one in the model; if a tendon moves it, set the "
+            f"{_title(model, joint)} has no motor. Give it one in the model; if a tendon moves it, set the "
             "tendon's actuator, body.actuator(name).ctrl."
         )
     gear = float(model.actuator_gear[actuators[0], 0])

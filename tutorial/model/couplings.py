@@ -11,7 +11,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 NOBODY = -1
-"""Stands for the leader of a follower that is held at a constant position."""
+"""Represents the leader of a follower that is held at a constant position."""
 
 NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
 """Equalities of links and tendons. They also move joints, but no formula gives the position of a single joint."""

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 
 WARN_EVERY = 5.0  # [s] between log lines
 AFTER_WARNING = {
-    " in CTRL at ": "All controls count as 0 until every one is valid again.",
+    " in CTRL at ": "All controls count as 0 until all are valid again.",
     " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
 }
 """MuJoCo's reaction to a warning, which the warning's text omits."""
@@ -36,7 +36,7 @@ class _MujocoWarns:
                 self._unsaid += 1
                 return
             follows = next((f" {what}" for where, what in AFTER_WARNING.items() if where in text), "")
-            others = f" ({self._unsaid} more since the last one)" if self._unsaid else ""
+            others = f" ({self._unsaid} more since the last warning)" if self._unsaid else ""
             self._unsaid, self._due = 0, now + WARN_EVERY
             ours = next((said for begin, said in IN_OTHER_WORDS.items() if text.startswith(begin)), "")
             _log.warning("%s%s", ours or f"MuJoCo: {text.strip()}{follows}", others)

@@ -90,7 +90,7 @@ def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
         ("disableflags", mujoco.mjtDisableBit, "enable", "disable"),
         ("enableflags", mujoco.mjtEnableBit, "disable", "enable"),
     ):
-        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # skips the flags' count
+        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # skips the flag count
         for name, bit in flags:
             if partly := _set_bit(world, models, field, bit):
                 flag = f"flag {name.partition('_')[2].lower()}"

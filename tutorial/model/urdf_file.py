@@ -15,7 +15,7 @@ MESH_FILES = (".msh", ".obj", ".stl")
 """The mesh formats that MuJoCo reads."""
 
 NO_MASS = 1e-9  # [kg]
-"""The mass of a link without one: MuJoCo requires a mass for each moving link."""
+"""The mass of a link without a mass in the file: MuJoCo requires a mass for each moving link."""
 
 SETTINGS = {
     "discardvisual": "false",

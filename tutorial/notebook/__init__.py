@@ -135,7 +135,7 @@ async def end_deadlock(node: WatchedNode) -> None:
 
 
 def _close_watched(thread: SpinThread[WatchedNode]) -> None:
-    thread.node.end_deadlocks()  # otherwise its thread might never end
+    thread.node.end_deadlocks()  # otherwise, the node's thread might never end
     thread.close()
 
 

@@ -6,7 +6,7 @@ from tutorial.errors import TutorialError
 from tutorial.program.item import Item
 from tutorial.view.bodies import View
 
-FEW = 3  # with more bodies than this, only the faulty ones get a line
+FEW = 3  # with more bodies than this, only bodies with faults get a line
 
 
 def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseException | None) -> None:

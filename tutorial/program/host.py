@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from tutorial.view.bodies import View
 
 CLOSED = "this program is closed. Open it again."
-NO_SIMULATION = "there is no simulation here, or not yet. A program simulates if its project has a 'simulator'."
+NO_SIMULATION = "this program has no simulation yet. A program simulates if its project has a 'simulator'."
 
 _log = logging.getLogger(__name__)
 
@@ -156,7 +156,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         if self.simulation is not None:
             raise TutorialError(f"{name!r} cannot join a simulation. Add it to the project and reopen the project.")
         if name in self._items:
-            raise TutorialError(f"there is already a body {name!r}. Remove it first, or rename the new one.")
+            raise TutorialError(f"there is already a body {name!r}. Remove it first, or rename the new body.")
         try:
             self._add(entry, simulates=False)
         except BaseException:
@@ -195,7 +195,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.simulation.stop()
         finally:
             self._cameras.close()
-            with self._ros.paused():  # first, a callback whose request was refused can respond
+            with self._ros.paused():  # waits first, so that callbacks with refused requests can respond
                 for item in self._items.values():
                     item.close()
             self._calls.close()

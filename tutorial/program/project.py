@@ -114,7 +114,7 @@ class Project:
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
             raise TutorialError(
-                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which one to replace."
+                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which body to replace."
             )
         name = model.stem.capitalize()
         compose([Placement(name, model)])  # raises MuJoCo's error if the model cannot be loaded

@@ -7,10 +7,10 @@ from itertools import pairwise
 from typing import Any
 
 LIMIT = 40.0  # [s] the longest race
-REACH = 0.3  # [m] how near the tank's middle has to come to each point of the line: the tracks are 0.54 m apart
-SPACING = 0.01  # [m] between the points that count
+REACH = 0.3  # [m] how close the tank's middle has to come to a point of the line; the tracks are 0.54 m apart
+SPACING = 0.01  # [m] between the points of the line
 PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
-PAUSE = 0.5  # [s] how long a contact has to be interrupted before it counts again
+PAUSE = 0.5  # [s] minimum interruption of a contact, after which it counts again
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
 POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0

@@ -11,7 +11,7 @@ from tutorial.errors import TutorialError
 DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
 """Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID").
 
-The ones up to 10 are left to people, who choose them by hand, and to the doctor, which searches them.
+IDs up to 10 are reserved for people, who choose them by hand, and for the doctor, which searches them.
 """
 
 

@@ -36,7 +36,7 @@ _log = logging.getLogger(__name__)
 
 
 Call = Callable[[Any, dict[str, int]], object]
-"""Function that takes a message and rclpy's information about it, such as ``"source_timestamp"`` [ns]."""
+"""Function that is called with a message and rclpy's information about it, such as ``"source_timestamp"`` [ns]."""
 
 
 class TopicMeter:
@@ -203,7 +203,7 @@ class SpinThread(Generic[AnyNode]):
         rclpy.init(args=list(args or ()), context=self._context)
         try:
             self.node = node_class(name, context=self._context)
-            self._name = self.node.get_name()  # the program may destroy its node later
+            self._name = self.node.get_name()  # stored, because the program may destroy its node
             self.full_name = self.node.get_fully_qualified_name()
             self._executor = executor(context=self._context)
             self._executor.add_node(self.node)
@@ -214,7 +214,7 @@ class SpinThread(Generic[AnyNode]):
         self._turn, self._unpaused = threading.Lock(), threading.Event()  # for `paused`
         self._unpaused.set()
         self._is_stuck = False
-        self._failure: list[str] = []  # text of the last logged failure
+        self._failure: list[str] = []  # the text of the last logged failure
         self._failed_at = 0.0
         self._unsaid = 0
         self.alive.add(self)
@@ -292,7 +292,7 @@ class SpinThread(Generic[AnyNode]):
                 gone = gone + 1 if _met_what_is_destroyed(error) else 0
                 if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
-            self._unpaused.wait()  # otherwise, this thread would often be the next to take the lock
+            self._unpaused.wait()  # otherwise, this thread would often acquire the lock again
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:

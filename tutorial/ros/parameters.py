@@ -20,8 +20,8 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import node_names
 from tutorial.ros.topics.names import escape_name
 
-PATIENCE = 5.0  # [s] how long a node's services can take to appear, as in ros2, and how long each response can take
-TRIES = 3  # requests until a node counts as one that does not respond
+PATIENCE = 5.0  # [s] the longest wait for a node's services, as in ros2, and for each response
+TRIES = 3  # number of unanswered requests after which a node counts as unresponsive
 
 NAMES = (
     *("not set", "boolean", "integer", "double", "string"),

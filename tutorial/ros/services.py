@@ -19,7 +19,7 @@ from tutorial.ros.topics.names import escape_name, is_hidden, service_class
 from tutorial.ros.topics.populate import populated_request
 
 LOOK_EVERY = 0.02  # [s] between checks for a service or a response
-SETTLE = 0.2  # [s] after which a service usually knows its new client, even on a busy machine
+SETTLE = 0.2  # [s] within which a service usually discovers a new client, even on a busy machine
 
 
 def services_with_types(node: Node) -> dict[str, list[str]]:

@@ -12,7 +12,7 @@ from tutorial.description.poses import Matrix, pose
 from tutorial.view.shapes import draw_arrow
 
 LONGEST = 1.0
-"""Maximum length of an arrow [m], whatever is published."""
+"""Maximum length of an arrow [m], even for larger published values."""
 
 LARGEST = 1e6
 """Measured values are clamped to this magnitude, to keep the table narrow."""

@@ -18,7 +18,7 @@ from tutorial.view.offscreen import USUAL, Offscreen, advice
 
 TIMEOUT = 30.0  # [s] the longest wait for a picture in lockstep; the first picture also starts OpenGL
 UNSET = (1, 1)  # [px] MuJoCo's resolution for a camera that sets none
-NO_PICTURES = "cameras cannot take pictures, but everything else works: rendering failed (%s). %s."
+NO_PICTURES = "cameras do not work, but everything else does: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
 
 

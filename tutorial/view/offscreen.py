@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 USUAL = (320, 240)  # [px] resolution of cameras whose model sets none
-ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this"
+ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this problem"
 ELSEWHERE = "See MuJoCo's documentation on rendering in Python to find out what to install on this system"
 
 Pixels = NDArray[np.uint8]

@@ -130,7 +130,7 @@ class ReplayRecorder:
         now = self._seconds()
         self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
         self._last_at = now
-        if self._time - self._times[-1] > 2 * FRAME:  # nothing has moved until now
+        if self._time - self._times[-1] > 2 * FRAME:  # nothing has moved so far
             self._add(self._time - FRAME, b"", self._positions[-1])
         self._add(self._time, message, dict(self._joints()))
 
@@ -163,7 +163,7 @@ def recorded(
         TutorialError: the file cannot be written; this is checked before the run.
     """
     path = Path(path)
-    with _writing(path), path.open("a"):  # an existing file stays unchanged until the run is over
+    with _writing(path), path.open("a"):  # an existing file is not changed before the run is over
         pass
     recorder = ReplayRecorder(scene, seconds, joints, longest_pause)
     try:

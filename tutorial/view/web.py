@@ -134,7 +134,7 @@ class _Browser(WebSocketHandler):
         self.is_behind = False
 
     def open(self, *_args: str, **_kwargs: str) -> None:
-        if self._stream.closed():  # the page is already gone
+        if self._stream.closed():  # the page is already closed
             return
         self.set_nodelay(True)
         self._stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BACKLOG)

@@ -96,7 +96,7 @@ class WithADoneCallback(PitCrew):
 
 CALL = ("await self.open_door.call_async(", "self.open_door.call("), (f"await {HOME}", "self.go_home.call(_request)")
 TOO_EARLY = "return too early, ask in a different order, or return the wrong response"
-LEFT = "leave something behind"
+LEFT = "don't destroy everything"
 WRONG = [
     (edited(ask, SYNC, *CALL), "wait for a response that cannot arrive"),
     (
@@ -114,7 +114,7 @@ WRONG = [
     (edited(ask, (f"return await {HOME}", f"await {HOME}\n_response.success = True\nreturn opened")), TOO_EARLY),
     (
         edited(ask, (f"return await {HOME}", f"home = await {HOME}\nhome.success = True\nreturn home")),
-        "whatever /go_home",
+        "even if /go_home fails",
     ),
     (edited(ask, ("self.node.destroy_client(self.go_home)", "pass")), LEFT),
     (edited(ask, ("self.node.destroy_service(self.service)", "pass")), LEFT),

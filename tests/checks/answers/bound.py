@@ -67,6 +67,6 @@ WRONG = [
     (counts_through_all, ["copy all axes, or go through all"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["copy all axes, or go through all"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
-    (filters_all, ["leave out a bad axis", "copy all axes, or go through all"]),
+    (filters_all, ["remove an invalid axis", "copy all axes, or go through all"]),
     (sleeps, ["Don't sleep"]),
 ]

@@ -148,9 +148,9 @@ EACH = "You probably check only one subscription"
 OTHER_TYPE = "You probably count a publisher of a different type"
 FIRST = "you check only the first publisher"
 WHOLE = "Compare whole names"
-ENOUGH = "One that follows /clock is enough"
+ENOUGH = "A single one is enough"
 BY_MESSAGES = "you look at the messages before the subscriptions"
-TURNED = "the wrong way round: the subscription asks"
+TURNED = "the wrong way round: the publisher has to offer"
 ELSEWHERE = "You probably look at other domains although there is a publisher here"
 LOST = "You probably look at something else first"
 WRONG = [
@@ -171,7 +171,7 @@ WRONG = [
     (with_rules(clock=on_a_clock(any, lambda node, users: node in " ".join(users))), WHOLE),
     (with_rules(clock=on_a_clock(any, lambda node, users: any(user in node for user in users))), WHOLE),
     (with_rules(clock=lambda f: RULES["clock"](replace(f, received=0))), "Also test received"),
-    (with_rules(clock=lambda f: RULES["clock"](replace(f, publishers=f.subscriptions))), "It is the publisher's node"),
+    (with_rules(clock=lambda f: RULES["clock"](replace(f, publishers=f.subscriptions))), "The publisher's node"),
     *((with_rules(reliability=the_wrong_way_round("reliable", some)), TURNED) for some in (any, all)),
     *((with_rules(durability=the_wrong_way_round("transient_local", some)), TURNED) for some in (any, all)),
     (with_rules(type=lambda f: any(s.type != f.publishers[0].type for s in f.subscriptions)), FIRST),

@@ -65,7 +65,7 @@ EMPTY = "You probably expect at least one message"
 
 
 WRONG = [
-    (edited(gaps, ('"gap"', '"GAP"')), 'The only words are "gap" and "restart".'),
+    (edited(gaps, ('"gap"', '"GAP"')), 'The only kinds of events are "gap" and "restart".'),
     (neighbours_of_some, [LAST, EMPTY]),
     (kept_newest, ["You keep newest_of_all from one call to the next"]),
 ]

@@ -97,7 +97,7 @@ def posts_after_seconds(self, message):
 WRONG = [
     (changed(configure=keeps_four), "a queue depth of 10"),
     (changed(land=lambda self: time.monotonic()), "does not put the body back"),
-    (changed(update=posts_after_seconds), "config.call_later doesn't take a delay"),
+    (changed(update=posts_after_seconds), "config.call_later has no delay"),
     (changed(update=never_awaited), "Write def, not async def"),
     (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "with parentheses"),
     (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "Fix this line first"),

@@ -183,7 +183,7 @@ class Echo(Relay):
 
 
 SUBSCRIBED, PUBLISH = "self.on_joint_state, qos_profile_sensor_data", "self.publisher.publish(message)"
-NEW = "You probably publish a new message, change it, or publish it twice"
+NEW = "You probably publish a new or changed message, or publish it twice"
 WRONG = [
     (InTheCallback, ["create the publisher only in the callback"]),
     (HearsFirst, "Create the subscription last"),
@@ -199,7 +199,7 @@ WRONG += [
     (edited(reach, edit), cause)
     for edit, cause in [
         ((SUBSCRIBED, "self.on_joint_state, 1"), "your subscription asks for RELIABLE"),
-        (("LOCAL)", "LOCAL, lifespan=Duration(seconds=10))"), "Leave out lifespan"),
+        (("LOCAL)", "LOCAL, lifespan=Duration(seconds=10))"), "Omit lifespan"),
         (('"/wall/joint_state", kept', '"/wall/joint_state", 10'), "your publisher is VOLATILE"),
         (('"/wall/joint_state"', '"/wall/joint_states"'), "publish on a different topic"),
         (('"/robot/joint_state"', '"/Robot/joint_state"'), "subscribe to a different topic"),

@@ -86,7 +86,7 @@ RIGHT = [Patient, ClosesInTheThread, Counts]
 WRONG = [
     (edited(record, ("*received)", "*received[::-1])")), "self.bag.write(self.connection, time_ns, payload)"),
     (edited(record, ("join()", "join(0.1)")), "you close the bag"),
-    (edited(record, ("self.writer.join()", "self.write()")), "You probably take None out of the queue"),
+    (edited(record, ("self.writer.join()", "self.write()")), "You probably remove None from the queue"),
     (
         edited(
             record, ("self.received.put(None)", "pass"), ("self.bag.close", "self.received.put(None)\nself.bag.close")
@@ -94,7 +94,7 @@ WRONG = [
         NEVER,
     ),
     (CountsTooLate, "super().configure(config) starts the thread"),
-    (CallsNoSuper, "Call it: it makes the queue"),
+    (CallsNoSuper, "Call it: it creates the queue"),
     (GoesOn, "You probably continue after None"),
     (Polls, ["get() waits for an entry"]),
 ]

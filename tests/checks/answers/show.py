@@ -80,7 +80,10 @@ def subscribes_first(self, config):
 WRONG = [
     (changed(configure=subscribes_first), "create the subscription before the attributes that its callback uses"),
     (changed(on_joint_state=lambda self, message: self.update(message)), "move the body in the callback"),
-    (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "call it right away, with parentheses"),
+    (
+        changed(on_joint_state=lambda self, m: self.call_later(self.update(m))),
+        "call the function yourself, with parentheses",
+    ),
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "your own timer or thread"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(lock=threading.Lock(), **LOCKING), "Don't sleep or wait"),
@@ -95,7 +98,7 @@ WRONG += [
     (edited(show, *edits), cause)
     for edits, cause in [
         ([(POSITIONS, "positions(dict(zip(self.body.joint_names, message.position)))")], "by their index"),
-        ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "leave out positions of 0"),
+        ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "skip positions of 0"),
         ([(POSITIONS, "positions(dict(zip(message.name, message.position)))")], "a name that the body does not have"),
         ([(POSITIONS, NO_ANTENNA)], "set NaN as a position"),
         ([(MATCHES, f"[message.position[i] for i, _ in enumerate(message.name)]\n{MATCHES}")], "an index beyond"),

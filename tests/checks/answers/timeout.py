@@ -43,5 +43,5 @@ RIGHT = [Deadline, Identity]
 WRONG = [
     (Shared, "in __init__"),
     (edited(timeout, (" <= 0.5", "")), "Return True or False"),
-    (edited(timeout, ("self.message = message", "self.message = Joy(axes=message.axes)")), "don't keep a copy"),
+    (edited(timeout, ("self.message = message", "self.message = Joy(axes=message.axes)")), "don't store a copy"),
 ]

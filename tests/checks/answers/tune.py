@@ -75,11 +75,11 @@ WRONG = [
     (edited(tune, ('dict(zip(("speed", "turn"), self.limits()))', '{"speed": 1.0, "turn": 0.5}')), "the current speed"),
     (
         edited(tune, (" if each.name in new", ""), ('new["speed"] + new["turn"]', "sum(new.values())")),
-        "Leave the others",
+        "Ignore the other parameters",
     ),
     (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "You probably use only the new values"),
     (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
-    (edited(tune, (f", {REASON}", "")), "give no reason with the sum"),
+    (edited(tune, (f", {REASON}", "")), "return a reason without the sum"),
     (
         edited(tune, ("return SetParametersResult(successful=True)", "return True")),
         "don't return a SetParametersResult",
@@ -93,7 +93,7 @@ WRONG = [
     (edited(tune, ("self.node.remove_on_set_parameters_callback(self.check)", "pass")), "remove the callback"),
     (
         edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")),
-        "or test each parameter by itself",
+        "or test each parameter separately",
     ),
     (edited(tune, ("> 2.5", ">= 2.5")), "You probably refuse 2.5 itself"),
 ]

@@ -75,7 +75,7 @@ ENDS = [
     (TakesLong, "✗ the calls to control take too long", "in control, line ", "return at once"),
     (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only has to return"),
     (Crashes, "✗ the process was killed by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
-    (Floods, "✗ control does not return", "  | here I am", "it needs no loop of its own"),
+    (Floods, "✗ control does not return", "  | here I am", "it needs no loop"),
     (HaltsPython, "✗ Python itself hangs", "in control, line", "A call into C code probably did not return"),
 ]
 
@@ -159,7 +159,7 @@ def of_the_notebook(name):
 def test_objects_of_the_notebook_are_named(name, used, kind):
     said = said_about(of_the_notebook(name))
     assert f"✗ {name} uses {used}, an object of the class {kind} that belongs to the notebook" in said
-    assert "take everything that it needs from config, io or its arguments" in said
+    assert "get everything that it needs from config, io or its arguments" in said
 
 
 def test_the_notebooks_event_loop_is_replaced_by_the_running_one():

@@ -33,14 +33,14 @@ class Given:
 SENTENCES = {
     "You probably forgot self: def control(self):": lambda: Answer().control(),
     "You probably forgot the parentheses: Answer is the class": lambda: Answer.on_joy(message=1),
-    "You probably call the callback right away. Pass it without parentheses": lambda: Answer().configure(0),
+    "You probably call the callback immediately. Pass it without parentheses": lambda: Answer().configure(0),
     "This is a tuple. Unpack it": lambda: (1,).header,
     "You probably forgot self in initialize: self.io = ...": lambda: Answer().io,
     "You probably don't store it in configure: self.node = config.node.": lambda: Answer().node,
-    "You probably read it before anything has set it: configure runs first": lambda: Answer().message,
+    "You probably read it before it is set: configure runs first": lambda: Answer().message,
     "You probably use the event loop": asyncio.get_running_loop,
     "A list cannot be the key of a dict": lambda: {[]: 1},
-    "Leave it out: the program calls rclpy.init, spins its node": lambda: rclpy.spin_once(None),
+    "Remove this call: the program calls rclpy.init, spins its node": lambda: rclpy.spin_once(None),
     "Did you mean 'join'?": lambda: "".jion,
 }
 
@@ -60,4 +60,6 @@ def test_pythons_messages_are_understood(sentence):
 def test_an_own_node_is_refused(answer, spun, make):
     with pytest.raises(NotInitializedException) as info:
         make("own")
-    assert likely_cause(info.value, answer).startswith(f"Leave it out: the program calls rclpy.init, spins {spun}, and")
+    assert likely_cause(info.value, answer).startswith(
+        f"Remove this call: the program calls rclpy.init, spins {spun}, and"
+    )

@@ -191,13 +191,13 @@ def test_a_payload_that_ros_2_rejects_is_reported_once(nodes, heard, tmp_path, c
     until(lambda: len(heard) == 16, "the messages on /b")
     assert player.played == 17
     said = [record.message for record in caplog.records if "is skipped" in record.message]
-    assert said == ["a message on /a is skipped, and so are others like it: cannot publish data"]
+    assert said == ["a message on /a is skipped, as are similar messages: cannot publish data"]
 
 
 @pytest.mark.parametrize(
     ("how", "said"),
     [
-        ({"rate": 0.0}, "the rate is 0; give one above 0, such as 2"),
+        ({"rate": 0.0}, "the rate is 0; give a rate above 0, such as 2"),
         ({"start_offset": 5.0}, "the start offset is 5 s, but the bag is 0.290 s long"),
         ({"topics": ["/aa"]}, "there is no topic '/aa' in this bag. Did you mean '/a'"),
         ({"topics": ["/alien"]}, "there is nothing to play"),

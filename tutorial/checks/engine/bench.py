@@ -19,14 +19,14 @@ from tutorial.ros.watched_node import WatchedNode
 
 LOOK = 0.01  # [s] between checks of a condition
 LOOKS = 500  # number of checks after which a request counts as unanswered
-NO_SERVICE = "You probably don't create the service in configure, or with a different name or type."
+NO_SERVICE = "You probably don't create the service in configure, or create it with a different name or type."
 UNANSWERED = (
     "You probably wait for a response that cannot arrive, or return before you have it. "
-    "Await call_async in a coroutine, with the clients in a callback group of their own."
+    "Await call_async in a coroutine, with the clients in a separate callback group."
 )
-NO_RETURN = "You probably forgot return. The callback of a service has to return a response, in every case."
+NO_RETURN = "You probably forgot return. A service's callback always has to return a response."
 NOT_THERE = {
-    "'Future'": "call_async returns a future, and not yet the response. Write await before it, in a coroutine.",
+    "'Future'": "call_async returns a future, not the response. Write await before it, in a coroutine.",
     "'coroutine'": "Calling a coroutine function doesn't give you its result until you await the call. "
     "Write await before it.",
     "'NoneType'": "There is no response yet: a future has no result before it is done, and call returns None after its "
@@ -51,7 +51,7 @@ class _Thread(SpinThread[WatchedNode]):
     def close(self) -> None:
         self._stopping.set()
         self._thread.join(self.timeout)
-        if self._thread.is_alive():  # the learner's callback does not return: it ends with the process
+        if self._thread.is_alive():  # the learner's callback does not return: the thread ends with the process
             self.alive.discard(self)
         else:
             super().close()
@@ -136,7 +136,7 @@ class Bench:
         self.requests.close()
         if self.node.deadlocks():
             self.node.end_deadlocks()
-            self._wait(lambda: self._own.error)  # or rclpy prints that nobody has retrieved the exception
+            self._wait(lambda: self._own.error)  # otherwise, rclpy prints that nobody has retrieved the exception
         self._own.close()
         self._other.close()
 
@@ -181,7 +181,7 @@ def _from_callback(trial: Trial, error: BaseException) -> Failure:
         return Failure(
             "a callback", Misuse(f"ROS 2 cannot send the response: {error or type(error).__name__}", NO_RETURN)
         )
-    is_own = frames[-1][0].f_code.co_filename in trial.watched  # and not raised by a function that it calls
+    is_own = frames[-1][0].f_code.co_filename in trial.watched  # not raised by a function that it calls
     cause = next((cause for part, cause in NOT_THERE.items() if is_own and part in str(error)), None)
     text = f"it raises {type(error).__name__}: {error}"
     return Failure(place.function, Misuse(text, cause) if cause else error.with_traceback(trace), place)

@@ -28,7 +28,7 @@ from tutorial.checks.engine.instruments import Instruments
 from tutorial.checks.engine.trial import Call, Trial
 from tutorial.checks.engine.verdict import Finding, wrong
 
-LOOK = 0.1  # [s] between checks by the watchdog
+LOOK = 0.1  # [s] between the watchdog's checks
 TIMEOUT = 15  # a call that is still running after this many checks counts as stuck
 BUDGET = 25  # the maximum number of checks during all calls to one method
 HALT = 5.0  # [s] how long the watchdog can go without a check before it counts as blocked itself

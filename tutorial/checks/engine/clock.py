@@ -10,12 +10,12 @@ from typing import Any
 from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.trial import Trial
 
-BEGAN = 1024.0  # [s] on the clock at its start; sums of powers of two are exact
+BEGAN = 1024.0  # [s] the clock's initial time; sums of powers of two are exact
 TURN = 2.0**-17  # [s] how long each turn of the loop takes, so that time passes even while code loops on sleep(0)
-TURNS = 20  # turns after a timer: enough for the calls that it schedules, and for the calls that those schedule in turn
+TURNS = 20  # turns after a timer: enough for the calls that it schedules, and for the calls that these calls schedule
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # asyncio's own text
-AT_ONCE = "You probably call it right away, with parentheses. Pass the function itself, such as self.land."
+AT_ONCE = "You probably call the function immediately, with parentheses. Pass the function itself, such as self.land."
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):

@@ -40,7 +40,7 @@ class Diagnosis:
     causes: Mapping[str, Fault | Why]
 
 
-# Mistakes that explain an answer, and the remaining observations, which need causes of their own.
+# Mistakes that explain an answer, and the observations that these mistakes do not explain.
 _Explanation = tuple[Sequence[Fault], Sequence[Observation]]
 
 
@@ -146,7 +146,7 @@ class _Search:
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
         self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
         self._leading = [each for each in self._known if same(twins.does(self._last.case, each), self._last.value)]
-        # Odd cases come first, because a wrong candidate most likely differs there; then the fastest ones.
+        # Odd cases come first, because a wrong candidate most likely differs there; then the fastest cases.
         self._quickest = sorted(seen, key=lambda each: (not each.is_odd, each.seconds))
 
     def single(self) -> Iterator[tuple[Fault, ...]]:

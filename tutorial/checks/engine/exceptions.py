@@ -14,9 +14,9 @@ from rclpy.exceptions import NotInitializedException
 
 from tutorial.controller import SimpleController
 
-AT_ONCE = "You probably call the callback right away. Pass it without parentheses: self.{}."
+AT_ONCE = "You probably call the callback immediately. Pass it without parentheses: self.{}."
 NO_ARGUMENTS = "__init__ gets no arguments: configure(self, config) gets config, and initialize(self, io) gets io."
-_STEPS = "The simulation calls {} once per step, so it needs no loop of its own: return at once. To wait, count steps."
+_STEPS = "The simulation calls {} once per step, so it needs no loop: return immediately. To wait, count steps."
 _RETURNS = {
     "control": _STEPS,
     "aim": _STEPS,
@@ -25,15 +25,15 @@ _RETURNS = {
     "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
 """By method name, why the method must return at once."""
-_PROGRAMS = "Leave it out: the program calls rclpy.init, spins {}, and shuts rclpy down."
+_PROGRAMS = "Remove this call: the program calls rclpy.init, spins {}, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
     "io": "You probably don't store it in initialize: self.io = io.",
     **{each: f"You probably don't store it in configure: self.{each} = config.{each}." for each in _CONFIG},
 }
-_UNSET = "You probably read it before anything has set it: "
-_LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as there is a subscription."
+_UNSET = "You probably read it before it is set: "
+_LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as the subscription exists."
 _CLASS = "You probably forgot the parentheses: {0} is the class, {0}(...) creates an object."
 _GENERAL = "Fix this line first. The check stopped here."
 _CAUSES = {

@@ -12,7 +12,7 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.memory_node import MemoryNode
 from tutorial.checks.engine.trial import Trial
 
-TURN = 0.05  # [s] limit on a turn, because a turn that needs the interrupted function's lock would never end
+TURN = 0.05  # [s] time limit of a turn, because a turn that needs the interrupted function's lock would never end
 MESSAGES = 100  # messages that arrive while a controller is being configured, one at each instruction
 
 EARLY = "You probably create the subscription before the attributes that its callback uses. Create it last."

@@ -21,7 +21,10 @@ THE_NODE = "config.node belongs to the whole program. In unconfigure, destroy on
 TOO_MANY = (
     "You probably create one at each start, or super().configure(config) creates another. Create one {0}, in configure."
 )
-LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not notify the node."
+LEFT = (
+    "unconfigure is probably missing, or lacks {1}. Setting a flag or None, or calling self.{0}.destroy(), does not "
+    "notify the node."
+)
 
 
 class Endpoint:

@@ -103,8 +103,8 @@ class Publishing:
     @property
     def _stamp(self) -> str:
         return (
-            "The stamp is probably missing, a count, or from a different clock, or sec and nanosec don't belong "
-            f"together: nanosec restarts at 0 every second. Set both: Time(nanoseconds={self.time}).to_msg()."
+            "The stamp is probably missing, a count, or from a different clock, or sec and nanosec are from different "
+            f"times: nanosec restarts at 0 every second. Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:

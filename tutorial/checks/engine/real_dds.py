@@ -10,7 +10,7 @@ from rclpy.node import Node
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 
-TIMEOUT = 10.0  # [s]; only an event that never happens takes this long
+TIMEOUT = 10.0  # [s]; a wait takes this long only if the event never happens
 
 
 @contextmanager

@@ -51,7 +51,7 @@ def cause_of_sharing(answer: Any, name: str) -> str:
     if not isinstance(answer, type) or name.startswith(_DEFAULT):
         return f"You keep {name} from one call to the next. Create everything that a call needs inside the call."
     return (
-        f"{name} is shared by all objects of the class. Give each object its own, "
+        f"{name} is shared by all objects of the class. Create one for each object, "
         f"self.{name.rpartition('.')[2]} = ..., in __init__, configure or initialize."
     )
 

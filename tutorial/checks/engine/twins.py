@@ -1,6 +1,6 @@
 """Twins: copies of the solution with mistakes in them, and how they and the solution behave in the cases."""
 
-from __future__ import annotations  # also applies to compiled twins: an edit can break an annotation
+from __future__ import annotations  # also applies to compiled twins, because an edit can break an annotation
 
 import asyncio
 import functools
@@ -83,7 +83,7 @@ class Twins:
         solution = self.cases.solution
         modules = asyncio, functools, math, itertools, sys.modules[solution.__module__]
         names = {name: value for module in modules for name, value in vars(module).items()}
-        with suppress(SyntaxError):  # together, two mistakes can break a statement
+        with suppress(SyntaxError):  # two mistakes together can make a statement invalid
             exec(compile(source, A_MISTAKE, "exec"), names)
             return names[solution.__name__]
         return None

@@ -25,11 +25,12 @@ TIMEOUT = 1.0  # [s]; a callback that takes longer is waiting for something
 
 KEY = "The first argument of call_latest is a key: self.call_latest(self.body.name, self.update, message)."
 SECONDS = (
-    "config.call_later doesn't take a delay. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
+    "config.call_later has no delay argument. The event loop's method has one: "
+    "asyncio.get_running_loop().call_later(0.5, self.land)."
 )
-PARENTHESES = "You probably call it right away, with parentheses. Pass the function itself, then its arguments."
+PARENTHESES = "You probably call the function yourself, with parentheses. Pass the function, then its arguments."
 TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
-COROUTINE = "Write def, not async def. If it has to wait, have it start a task: asyncio.create_task(...)."
+COROUTINE = "Write def, not async def. If it has to wait, start a task in it: asyncio.create_task(...)."
 ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 
 
@@ -116,7 +117,7 @@ class Viewer:
         self.loop.advance(seconds)
         self._tell()
         if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
-            raise Failure("the posted call", Misuse("it posts another call every time it runs, endlessly", ENDLESS))
+            raise Failure("the posted call", Misuse("it posts a new call every time it runs, without end", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Call `unconfigure`, drop the waiting calls, and describe where the body is afterwards.

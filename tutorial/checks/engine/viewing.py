@@ -11,18 +11,18 @@ from tutorial.checks.engine.real_dds import ros_node, send
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.engine.viewer import Viewer
 
-# A step of a case: a function that takes the viewer, and can return an observation as text.
+# A step of a case: a function that is called with the viewer, and can return an observation as text.
 Step = Callable[[Any], str | None]
 
 POST = "self.call_later(self.update, message)"
 BESIDE = "You probably post from your own timer or thread. Post in the callback, once for each message."
 
 SHARED_BY_VIEWERS = "You probably store something on the class, which all viewers share. Set it on self, in configure."
-ANOTHER_TOPIC = "You probably subscribe to a different topic or type, or outside of configure. In configure, write {}."
-NOT_POSTED = ("You probably drop some messages, for instance every other one, or post no calls at all. "
+ANOTHER_TOPIC = "You probably subscribe outside of configure, or to a different topic or type. In configure, write {}."
+NOT_POSTED = ("You probably drop some messages, for instance every second message, or post no calls at all. "
               "Post a call for each message, {}, and show it.")  # fmt: skip
-MOVES = ("You probably leave out calc_forward_kinematics or notify_change, or call them too early. "
-         "After every move of the body, call these two, in this order.")  # fmt: skip
+MOVES = ("You probably omit calc_forward_kinematics or notify_change, or call them too early. After every move of the "
+         "body, call both methods, in this order.")  # fmt: skip
 PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call still runs after the controller has left "
                   "its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
 

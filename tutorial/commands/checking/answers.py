@@ -188,7 +188,7 @@ def _parsed(cell: str, name: str) -> list[ast.stmt]:
     try:
         body = ast.parse(cell).body
     except SyntaxError:
-        cell = MAGIC.sub(r"\1pass", cell)  # keeps the line numbers
+        cell = MAGIC.sub(r"\1pass", cell)  # does not change the line numbers
         body = ast.parse(cell).body
     linecache.cache[name] = (len(cell), None, cell.splitlines(keepends=True), name)
     return body

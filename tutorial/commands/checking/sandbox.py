@@ -35,8 +35,8 @@ SECCOMP = "libseccomp.so.2"
 REFUSED = b"add_key request_key keyctl memfd_create shmget chmod fchmod fchmodat fchmodat2".split()
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # from seccomp.h
 NO_SANDBOX = (
-    "an answer is a stranger's program, and there is no sandbox for it here: {}. On Debian and Ubuntu, sudo apt-get "
-    "install bubblewrap libseccomp2 adds it. If you trust the answers or use a virtual machine, {}."
+    "an answer is a stranger's program, and it cannot run in a sandbox here: {}. On Debian and Ubuntu, sudo apt-get "
+    "install bubblewrap libseccomp2 installs one. If you trust the answers or use a virtual machine, {}."
 )
 
 
@@ -54,7 +54,7 @@ def sandbox(folder: str, file: Path | None = None) -> list[str]:
     course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
     writable = ("/dev/shm", folder) if file is None else (folder,)  # Fast DDS must not find memory that it can't share
     bounded = [word for path in writable for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
-    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # where root could write
+    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could write there
     return [
         *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),

@@ -153,7 +153,7 @@ def _project_for(name: str) -> Project:
     for path in sorted((HOME / "project").glob("step*.yaml"), key=lambda path: (len(path.stem), path.stem)):
         try:
             project = Project.load(path)
-        except TutorialError:  # step 10 needs a real ROS 2, and so does a TankServer of the user's own
+        except TutorialError:  # step 10 and a user's own TankServer need a real ROS 2
             continue
         names = {each.__name__ for item in project.bodies for each in item.controllers}
         if name in names:

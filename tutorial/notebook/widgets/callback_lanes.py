@@ -18,7 +18,7 @@ STYLES = {
     "await": f"stroke:{svg.ACCENT};stroke-width:2;stroke-dasharray:5 3",
     "call()": f"stroke:{svg.WARN};stroke-width:14",
 }
-"""How a span is drawn, by its kind. Later kinds are drawn on top."""
+"""The style of each kind of span. Later kinds are drawn on top."""
 FONT = f"fill:{svg.INK};font-family:{svg.CODE_FONT}"
 
 

@@ -9,7 +9,7 @@ from tutorial.ros.chaos import FAULTS, Chaos
 from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
 
-HEIGHT = "23em"  # the list of faults scrolls, so that the panel is as tall as the view beside it
+HEIGHT = "23em"  # the list of faults scrolls, so that the panel is only as tall as the view beside it
 LOOK = 0.5  # [s] between updates of the counts
 
 

@@ -18,7 +18,7 @@ from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] length of the time axis
 DRAW_EVERY = 0.1  # [s] minimum time between redraws
-SHARE = 0.1  # the largest fraction of the main thread's time to spend on drawing
+SHARE = 0.1  # the largest share of the main thread's time for drawing
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad]; larger positions, such as infinity, are not drawn
@@ -72,7 +72,7 @@ class JointPlot(LivePicture):
         began = loop.time()
         self._is_due = False
         if not self.ended:
-            self.show(*_picture(self._topic, self._samples.copy()))  # a copy: the executor keeps adding
+            self.show(*_picture(self._topic, self._samples.copy()))  # a copy, because the executor adds samples
         self._draw_from = began + max(DRAW_EVERY, (loop.time() - began) / SHARE)
 
 

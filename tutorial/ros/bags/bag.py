@@ -147,7 +147,7 @@ class Bag:
             except TutorialError as error:
                 if topics is not None:
                     raise
-                _log.warning("topic %s is left out: %s", escape_name(channel.topic), error)
+                _log.warning("topic %s is skipped: %s", escape_name(channel.topic), error)
         for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])

@@ -24,8 +24,8 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # like rclcpp's ClockQoS
-SETTLE_FOR = 0.3  # [s] how long a discovered subscription takes, with Fast DDS, to discover the publisher in turn
-LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: a bag with one message would keep a core busy
+SETTLE_FOR = 0.3  # [s] how long a discovered subscription takes, with Fast DDS, to discover the publisher
+LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: otherwise, a bag with one message would use a whole core
 LONGEST_WAIT = 1.0  # [s] between progress reports
 LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
 ACKNOWLEDGED_IN = 1.0  # [s] the longest wait for acknowledgements
@@ -63,7 +63,7 @@ class Player:
         clock: float = 0.0,
     ) -> None:
         if not (math.isfinite(rate) and rate > 0):
-            raise TutorialError(f"the rate is {rate:g}; give one above 0, such as 2 for twice as fast.")
+            raise TutorialError(f"the rate is {rate:g}; give a rate above 0, such as 2 for twice as fast.")
         if not 0 <= start_offset <= bag.duration:
             raise TutorialError(
                 f"the start offset is {start_offset:g} s, but the bag is {bag.duration:.3f} s long. Start within it."
@@ -137,7 +137,7 @@ class Player:
         except RuntimeError as error:
             if topic not in self._refused:
                 self._refused.add(topic)
-                _log.warning("a message on %s is skipped, and so are others like it: %s", escape_name(topic), error)
+                _log.warning("a message on %s is skipped, as are similar messages: %s", escape_name(topic), error)
 
     def _met(self) -> bool:
         """Return whether all subscriptions on the topics are matched with the publishers."""

@@ -24,8 +24,8 @@ from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
 LOOK_EVERY = 0.1  # [s] between checks for new topics and received messages
-QUIET = 0.1  # [s] how long a silence has to last before the recorder stops expecting messages
-FLUSH_EVERY = 1.0  # [s]; if a recording is killed, up to this much is missing at the end
+QUIET = 0.1  # [s] without messages, after which the recorder expects no more
+FLUSH_EVERY = 1.0  # [s]; if a recording is killed, messages of up to this time are missing
 DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum total size of the messages waiting to be written
 
@@ -206,7 +206,7 @@ class Recorder:
                 self._waiting.append((topic, time_ns, info["source_timestamp"], payload))
             else:
                 if not self.lost:
-                    _log.warning("messages are lost: the disk is too slow, or full")
+                    _log.warning("messages are lost: the disk is too slow or full")
                 self.lost += 1
 
     def _write(self) -> None:

@@ -15,14 +15,14 @@ from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError,
 COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
 """The columns that are read for each topic, with a default for columns that an older ros2 bag did not write."""
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
-MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # the + avoids the index
+MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # + disables the index
 UNFINISHED = {
     "-journal": "its last transaction is incomplete",
     "-wal": "its -wal file cannot be read here. Copy both files to a folder that you can write to",
 }
 """Suffixes of the files that SQLite keeps next to a database, and what to report if it cannot use them."""
-BATCH = 100  # messages per batch; also how far a message can be out of order
-UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, or by decoding SQLite's own error text
+BATCH = 100  # messages per batch; also the largest distance of a message from its correct position
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, or while decoding SQLite's error text
 
 
 class SqliteWriter:
@@ -131,7 +131,7 @@ class SqliteReader:
         with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as database:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
             database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
-            # the last argument names a view, if any: deny views, because a query on one may never end
+            # the last argument names a view, if any: deny views, because a query on a view may never end
             database.set_authorizer(lambda *names: sqlite3.SQLITE_DENY if names[-1] else sqlite3.SQLITE_OK)
             yield from database.execute(query, values)
 

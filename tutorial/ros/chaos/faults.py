@@ -18,7 +18,7 @@ Change = Callable[[Random, Any], None]
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
 LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # delay of a late message
-AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far ahead a wrong clock can be
+AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a wrong clock can be ahead
 
 MARKUP = (
     "<b>TURRET_Y</b>",
@@ -110,7 +110,7 @@ class Chaos:
         actions = []
         if "restart" in hits:
             self._began_ns = stamp_ns(message)
-            self._held = None  # a restarted publisher loses the message that it held back
+            self._held = None  # a restarted publisher loses its held message
             actions.append(Action("restart"))
         ahead_ns = self._random["ahead"].randint(*AHEAD_NS) if "ahead" in hits else 0
         set_stamp_ns(faulty, stamp_ns(message) - self._began_ns + ahead_ns)

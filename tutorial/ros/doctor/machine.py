@@ -21,9 +21,9 @@ from tutorial.ros.wheels.folder import RANGE
 
 FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports of each domain."""
-COMMAND = 60  # how many characters of a program's command the doctor shows
-EPHEMERAL = 32768  # from this port on, the system gives ports to any program
-FIRST_UNICAST = 10  # offset from a domain's first port; from here up, every second port belongs to a participant
+COMMAND = 60  # maximum number of characters of a program's command to show
+EPHEMERAL = 32768  # from this port up, the system assigns ports to programs
+FIRST_UNICAST = 10  # offset from a domain's first port; from there, every second port is a participant's
 
 
 def reach() -> str:
@@ -68,7 +68,7 @@ def _program(pid: int, joined: list[int]) -> Program | None:
     try:
         process = psutil.Process(pid)
         variables, command, status = process.environ(), process.cmdline(), process.status()
-    except (psutil.Error, OSError):  # it has ended, or belongs to a different user
+    except (psutil.Error, OSError):  # the process has ended, or belongs to a different user
         return None
     first, *others = command or ["unknown"]
     return Program(

@@ -37,11 +37,11 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_valid_topic,
 
 LOOK = 3.8  # [s] the whole observation, or a little longer if the publisher appears late
 LISTEN = 1.2  # [s] the shortest time to wait for messages; Fast DDS discovers nodes after 1 to 4 s
-ALONE_AFTER = 1.0  # [s] without a publisher; then the other domains are searched
+ALONE_AFTER = 1.0  # [s] without a publisher, after which the other domains are searched
 READ_EVERY = 0.1  # [s] between two reads of the graph
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CLOCK = "/clock"
-# [s] how long messages that were sent earlier, and kept by their publisher, can still arrive; after that, an old stamp
+# [s] how long messages that were sent earlier, and stored by their publisher, can still arrive; later, an old stamp
 # only shows that another clock is behind
 KEPT_FOR = 2.0
 MATCHED = 1000  # maximum number of joint states to match

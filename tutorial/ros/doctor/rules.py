@@ -246,7 +246,7 @@ def _name(facts: Facts) -> Found | None:
     near = [each for each in _near(facts.topic, facts.topics) if not types or types.intersection(each.types)]
     near = [each for each in near if bool(each.publishers) != bool(facts.publishers)]
     if facts.found_in:
-        # Then a misspelt name is a likelier cause than a different domain only if the names are nearly identical.
+        # In this case, a misspelt name is more likely than a different domain only if the names are nearly identical.
         near = [each for each in near if _similarity(facts.topic, each.name) == 1]
     if not near or (facts.publishers and facts.subscriptions):
         return None

@@ -133,7 +133,7 @@ async def _messages(
     calls = CallQueue(asyncio.get_running_loop())
     scope = calls.scope(f"a look at {topic}")
 
-    def on_message(message: Any) -> None:  # executor's thread: keep the message and its time, and wake the loop
+    def on_message(message: Any) -> None:  # executor's thread: store the message and its time, and wake the loop
         clock = node.get_clock()
         now = clock.now().nanoseconds / 1e9 if clock.ros_time_is_active else time.monotonic()
         received.append((now, None if times_only else message))

@@ -17,7 +17,7 @@ from tutorial.ros.topics.populate import Populated
 
 DEPTH = 10  # depth of the queue, as in rclpy's default profile
 LOOK_EVERY = 0.1  # [s] between checks for subscriptions
-TELL_EVERY = 10  # number of checks between messages about waiting
+TELL_EVERY = 10  # number of checks after which the waiting is reported again
 KEEP_ALIVE = 0.1  # [s] how long the publisher stays alive after its last message, as in ros2
 ACKNOWLEDGED_IN = 1.0  # [s] the longest wait for acknowledgements
 
@@ -60,7 +60,7 @@ async def topic_pub(
             publisher.publish(message)
             if once:
                 break
-            due = max(due + 1 / rate, time.monotonic())  # don't catch up after a delay
+            due = max(due + 1 / rate, time.monotonic())  # don't make up for a delay
             await asyncio.sleep(due - time.monotonic())
         await asyncio.to_thread(publisher.wait_for_all_acked, Duration(seconds=ACKNOWLEDGED_IN))
         await asyncio.sleep(KEEP_ALIVE)

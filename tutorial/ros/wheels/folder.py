@@ -16,7 +16,7 @@ WHEELS = Path(__file__).with_name("runtime.txt")
 """List of the wheels in the folder, with versions and hashes."""
 
 ABOUT = WHEELS.with_name("about.txt")
-"""Text about these wheels for users."""
+"""Text for users about these wheels."""
 
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
@@ -34,7 +34,7 @@ TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 COMPILER = f"g++ and Python.h: sudo apt install g++ {PYTHON}-dev, or on Fedora sudo dnf install gcc-c++ python3-devel."
 """Requirements for building an interface package, and how to install them."""
 
-NO_TF2_MSGS = f"tf2_msgs is not built yet. Type tank ros install again when you have {COMPILER}"
+NO_TF2_MSGS = f"tf2_msgs is not built yet. Type tank ros install again after installing {COMPILER}"
 
 NOT_ON_PYPI = ("example_interfaces", "launch", "launch_ros", "message_filters", "rosbag2_py", "tf2_ros", "turtlesim")
 """Packages that many programs import but the folder lacks."""

@@ -149,7 +149,7 @@ def _install_wheels(target: Path, wheels: Path, report: Report) -> None:
         problem = "a wheel is not the one that the tutorial was tested with: its hash differs. Try a different network."
     else:
         raise TutorialError(f"the wheels could not be downloaded ({last_line(output)}). Check the connection. {AGAIN}")
-    for each in (target, _downloads(target)):  # their content is wrong, or is filling up the disk
+    for each in (target, _downloads(target)):  # their content is wrong, or fills the disk
         shutil.rmtree(each, ignore_errors=True)
     raise TutorialError(problem)
 

@@ -9,10 +9,10 @@ from types import FrameType
 from typing import Any
 
 TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
-"""Packages of ROS 2 Jazzy that are missing here, and what is missing from packages that are only partly here."""
+"""Packages of ROS 2 Jazzy that are missing here, and the missing parts of packages that are incomplete here."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
-"""Packages of a real ROS 2 that are also on PyPI, apart from message packages."""
+"""Packages of a real ROS 2 that are also on PyPI, except message packages."""
 
 FROM_PYPI = " The tank tutorial can install one from PyPI: tank ros install."
 
@@ -42,7 +42,7 @@ class NeedsRealROSError(_NotHere, ModuleNotFoundError):
     Most programs encounter it on an import, where they expect a ModuleNotFoundError.
     """
 
-    __module__ = "rclpy.exceptions"  # where programs import it from
+    __module__ = "rclpy.exceptions"  # programs import it from there
 
 
 class AbsentAttributeError(_NotHere, AttributeError):

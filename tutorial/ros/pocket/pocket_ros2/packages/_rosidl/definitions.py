@@ -23,7 +23,7 @@ FIELD_TYPE = re.compile(
 )
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
-"""An empty message has this uint8 on the wire, because IDL has no empty structs; its message class omits it."""
+"""An empty message has this uint8 on the wire, because IDL has no empty structs; the message class omits it."""
 
 
 class Cardinality(Enum):

@@ -86,8 +86,8 @@ class Payload:
 
 
 SampleInfo.__new__ = staticmethod(msgspec.defstruct("SampleInfo", ["python_class", *SampleInfo.__match_args__]))
-# Replaced by a constructor in C. Cyclone DDS's C code constructs one for each sample, and crashes if the constructor
-# raises an exception, as one written in Python does when Ctrl-C interrupts it.
+# Replaced by a constructor in C. Cyclone DDS's C code constructs an object for each sample, and crashes if the
+# constructor raises an exception, as a constructor in Python does when Ctrl-C interrupts it.
 
 
 @cache
@@ -234,7 +234,7 @@ class Waiter:
             self._guard = core.GuardCondition(participant)
 
     def watch(self, endpoints: Sequence[tuple[Any, Any]]) -> None:
-        self._close_wait_set()  # a new one is needed because other threads add and delete entities
+        self._close_wait_set()  # a new wait set is needed because other threads add and delete entities
         sources = [(self._guard, None)]
         for endpoint, owner in endpoints:
             sources.append((endpoint.dds, None))
@@ -243,7 +243,7 @@ class Waiter:
         self._owners = [owner for _, owner in sources]
         with lock:
             wait_set = self._wait_set = core.WaitSet(self._participant)
-        for key, (source, _) in enumerate(sources):  # fails if one has just been destroyed, which wakes us again
+        for key, (source, _) in enumerate(sources):  # fails if a source has just been destroyed, which wakes us again
             wait_set._waitset_attach(wait_set._ref, source._ref, key)
 
     def wait(self, timeout: float) -> list[Any]:
@@ -455,7 +455,7 @@ def _forget() -> None:
     global _forked  # noqa: PLW0603
     _forked = _forked or bool(_domains)
     for entity in list(core.Entity._entities.values()):
-        entity._ref = 0  # no entity, so every call fails, and the finaliser does nothing
+        entity._ref = 0  # refers to no entity: every call fails, and the finaliser does nothing
     core.Entity._entities.clear()
     _domains.clear()
     _users.clear()

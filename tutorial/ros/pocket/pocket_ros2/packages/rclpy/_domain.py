@@ -93,7 +93,7 @@ def likely_cause(error: Exception) -> str:
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (
         f"{error} Usually, too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
-        "here). Stop some, or set ROS_DOMAIN_ID to a different number."
+        "here). Stop some of them, or set ROS_DOMAIN_ID to a different number."
     )
 
 

@@ -87,7 +87,7 @@ def wire_type(type_name: str, octets: Any) -> Any:
             image to a list of numbers. A topic cannot use ``bytes``, however, because it has to describe its type to
             other programs.
     """
-    with _lock:  # make_idl_struct keeps a global stack of scopes
+    with _lock:  # make_idl_struct uses a global stack of scopes
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}
         typename = wire_name(type_name)
         made = make_idl_struct(typename.rpartition("::")[2], typename, fields, dataclassify=False)
