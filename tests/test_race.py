@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tutorial.race.rules import FINISHED, LIMIT, PATIENCE, REACH, STUCK, TIME_UP, Race, Result
+from tutorial.race.rules import CUT, FINISHED, LIMIT, PATIENCE, REACH, STUCK, TIME_UP, Race, Result
 
 STRAIGHT = [(0.0, 0.0), (2.0, 0.0)]
 CROSSING = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -67,7 +67,7 @@ def test_a_contact_counts_once_while_it_lasts():
     race = Race(STRAIGHT)
     for seconds, touched in ((0.0, ()), (0.1, ("A",)), (0.3, ("A",)), (0.4, ("A", "B")), (0.7, ()), (2.0, ("A",))):
         race.update(seconds, (0.0, 0.0, 0.1), touched, on_rail=False)
-    assert race.result.contacts == 3
+    assert race.result.touched == ("A after 0.1 s", "B after 0.4 s", "A after 2.0 s")
     assert race.result.score == 0.0, "never negative"
 
 
@@ -96,9 +96,17 @@ def test_a_tank_without_progress_is_stuck_but_may_look_for_the_rail():
     assert not race.over
 
 
+def test_a_cut_corner_ends_the_race_with_that_reason():
+    corner = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)]
+    race = drive(corner, (0, 0), (1, 0), (2, 1), (2, 2), speed=0.2)
+    assert (race.result.end, race.result.progress < 0.5) == (CUT, True)
+    race = drive(CROSSING, (0, 0), (1, 0), *[(1, 0), (1, 0.2)] * 30, speed=0.5)
+    assert race.result.end == STUCK, "near the crossing, but on no later part of the line"
+
+
 @given(st.floats(0, 1), st.floats(0, LIMIT), st.integers(0, 99), st.sampled_from([FINISHED, ""]))
 def test_a_score_is_0_to_100_and_more_is_better(progress, seconds, contacts, end):
-    result = Result(progress, seconds, contacts, end)
+    result = Result(progress, seconds, ("A",) * contacts, end)
     assert 0 <= result.score <= 100
-    assert result.score >= Result(progress / 2, seconds, contacts + 1, end).score
-    assert Result(progress, seconds, contacts, end, foul="a foul").score == 0
+    assert result.score >= Result(progress / 2, seconds, ("A",) * (contacts + 1), end).score
+    assert Result(progress, seconds, ("A",) * contacts, end, foul="a foul").score == 0

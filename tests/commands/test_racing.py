@@ -1,6 +1,7 @@
 """``tank race`` as a teacher runs it: scores, failing drivers, and that nothing is left behind."""
 
 import json
+import os
 from pathlib import Path
 
 import psutil
@@ -9,6 +10,8 @@ from pictures import need_pictures
 from programs import need_sandbox_here, until
 
 from tutorial.commands import racing
+from tutorial.commands.race import names_of, remarks
+from tutorial.race.rules import Result
 
 DRIVERS = Path(__file__).parents[1] / "support" / "drivers"
 
@@ -124,14 +127,68 @@ def test_a_changed_or_new_file_changes_the_fingerprint(tmp_path, monkeypatch):
     monkeypatch.setattr(racing, "PACKAGE", tmp_path)
     monkeypatch.setattr(racing, "original", lambda: tmp_path)
     (tmp_path / "project" / "race").mkdir(parents=True)
-    seen = {racing.fingerprint()}
-    for name in ("code.py", "project/race.yaml", "project/race/bend.yaml"):
+    line = tmp_path / "secret.txt"
+    line.write_text("")
+    seen = {racing.fingerprint(line)}
+    for name in ("code.py", "project/race.yaml", "project/race/bend.yaml", "secret.txt"):
         for text in ("", "1", "2"):
             (tmp_path / name).write_text(text)
-            seen.add(racing.fingerprint())
-    assert len(seen) == 10
+            seen.add(racing.fingerprint(line))
+    assert len(seen) == 12
     (tmp_path / "notes.txt").write_text("")
-    assert racing.fingerprint() in seen
+    (tmp_path / "project" / ".ipynb_checkpoints").mkdir()
+    os.mkfifo(tmp_path / "project" / "pipe.yaml")
+    assert racing.fingerprint(line) in seen
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        (["ada.py", "ben.py"], ["ada.py", "ben.py"]),
+        (["ada/drive.py", "ben/drive.py"], ["ada/drive.py", "ben/drive.py"]),
+        (["class/ada/drive.py", "class/ben.py", "class/ada/../cy/drive.py"], ["ada/drive.py", "ben.py", "cy/drive.py"]),
+        (["ada.py", "ada.py"], ["ada.py", "ada.py"]),
+    ],
+)
+def test_drivers_with_the_same_file_name_are_named_by_their_folders(given, names):
+    assert names_of(tuple(map(Path, given))) == names
+
+
+def test_the_remarks_name_what_was_wrong():
+    fine = racing.Entry("ada.py", "bend", Result(), real_time=1.0)
+    slow = racing.Entry("ben\n.py", "bend", Result(touched=("Lab/CRATE after 1.5 s",)), "1 / 0", real_time=0.5)
+    assert remarks([fine, slow]).splitlines() == [
+        "ben\\n.py: 1 / 0",
+        "ben\\n.py: raced at 0.50 times real time: race again with nothing else running on this machine",
+        "ben\\n.py: the tank has touched Lab/CRATE after 1.5 s",
+    ]
+
+
+@pytest.mark.process
+def test_a_failed_race_does_not_end_the_league(program, tmp_path):
+    path = tmp_path / f"{'a' * 250}.py"
+    path.write_text(STANDS)
+    (tmp_path / "loud.py").write_text(STANDS + "print('x' * 2_000_000, flush=True)\n1 / 0\n")
+    running = program("race", path, tmp_path / "loud.py", "--replay", tmp_path / "pages")
+    assert running.ends() == 1
+    assert f"{path.name}: the replay cannot be written to " in running.output
+    assert "loud.py: ZeroDivisionError: division by zero" in running.output
+    running = program("race", tmp_path / "loud.py")
+    assert running.ends() == 1
+    assert "The rest of the driver's output is not shown." in running.output
+    assert running.output.count("x") < 1_100_000
+
+
+@pytest.mark.process
+def test_a_driver_that_changes_the_line_ends_the_league(program, tmp_path):
+    line = tmp_path / "secret.yaml"
+    line.write_text("points: [[-2, -0.5], [2, -0.5]]")
+    (tmp_path / "cheat.py").write_text(STANDS + f"open({str(line)!r}, 'a').write(' ')\n1 / 0\n")
+    (tmp_path / "next.py").write_text(STANDS + ENDLESS)
+    running = program("race", tmp_path / "cheat.py", tmp_path / "next.py", "--layout", line)
+    assert running.ends() == 1
+    assert "cheat.py: the line or files of the tutorial have changed\n" in running.output
+    assert "have changed: restore them, and race the remaining drivers again." in running.output
 
 
 @pytest.mark.nightly

@@ -101,6 +101,8 @@ async def test_a_tank_that_its_motors_do_not_move_is_a_foul(race, act, said):
 
 @in_a_loop
 async def test_a_race_needs_a_line_that_begins_at_the_tank(race):
-    with pytest.raises(ControllerError, match=r"the line begins more than 0\.3 m from the tank"):
+    with pytest.raises(
+        ControllerError, match=r"more than 0\.3 m from the tank. Begin it at the tank, at \[0\.00, 0\.00\]\."
+    ):
         async with race((0, 0), (0.4, 0), (1, 0)):
             pass

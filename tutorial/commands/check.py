@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tutorial.commands.options import Seconds
+from tutorial.commands.options import LAYOUT, Seconds
 from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
 from tutorial.system.printing import print_text
@@ -48,9 +48,7 @@ LIMIT = 60.0  # [s] time limit for each answer
 @click.option(
     "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
 )
-@click.option(
-    "--layout", default="bend", show_default=True, help="Race along this line: a name, or a YAML file of points."
-)
+@click.option("--layout", default="bend", show_default=True, help=LAYOUT)
 def check(
     notebooks: tuple[Path, ...],
     jobs: int,

@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
+from tutorial.commands.options import LAYOUT
 from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
 from tutorial.race.rules import LIMIT
@@ -26,7 +28,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 @click.command(short_help="Let your own node drive the tank along a line, and score the race.")
 @click.argument("drivers", nargs=-1, required=True, metavar="DRIVER...", type=FILE)
-@click.option("--layout", default="bend", show_default=True, help="Use this line: a name, or a YAML file of points.")
+@click.option("--layout", default="bend", show_default=True, help=LAYOUT)
 @click.option(
     "--limit", type=click.FloatRange(1, LIMIT), default=LIMIT, show_default=True, metavar="SECONDS",
     help="End each race after SECONDS, for a first try.",
@@ -65,10 +67,12 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
             raise TutorialError(f"the folder {replay} cannot be created: {error.strerror}.") from error
     project = race_project(line)
     entries: list[Entry] = []
-    interrupted = until_asked(_race_all(drivers, project, line.stem, entries, scoreboard, replay, **how))
-    if entries:
-        Console(highlight=False).print(table(entries))
-        print_text("".join(f"{printable(each.driver)}: {each.note}\n" for each in entries if each.note))
+    try:
+        interrupted = until_asked(_race_all(drivers, project, line, entries, scoreboard, replay, **how))
+    finally:
+        if entries:
+            Console(highlight=False).print(table(entries))
+            print_text(remarks(entries))
     if interrupted:
         print_text(f"Interrupted: {len(drivers) - len(entries)} of {len(drivers)} races were not finished.\n", err=True)
         return INTERRUPTED
@@ -92,10 +96,28 @@ def table(entries: list[Entry]) -> Table:
     return rows
 
 
+def remarks(entries: list[Entry]) -> str:
+    """Describe what was wrong with each race, and what the tank has touched."""
+    lines = []
+    for entry in entries:
+        said = [entry.note, entry.warning, *(f"the tank has touched {each}" for each in entry.result.touched)]
+        lines += [f"{printable(entry.driver)}: {each}\n" for each in said if each]
+    return "".join(lines)
+
+
+def names_of(drivers: tuple[Path, ...]) -> list[str]:
+    """Return the drivers' file names or, if two files have the same name, their paths below the common folder."""
+    if len({path.name for path in drivers}) == len(set(drivers)):
+        return [path.name for path in drivers]
+    absolute = [Path(os.path.abspath(path)) for path in drivers]  # noqa: PTH100 - keep a link's own name
+    common = os.path.commonpath([path.parent for path in absolute])
+    return [str(path.relative_to(common)) for path in absolute]
+
+
 async def _race_all(
     drivers: tuple[Path, ...],
     project: Project,
-    layout: str,
+    line: Path,
     entries: list[Entry],
     scoreboard: TextIO | None,
     replay: Path | None,
@@ -104,17 +126,27 @@ async def _race_all(
     limit: float,
 ) -> None:
     """Run one race after another, because two simultaneous races would slow each other down."""
-    from tutorial.commands.racing import Options, race
+    from tutorial.commands.racing import CHANGED, NO_START, Entry, Options, fingerprint, race
+    from tutorial.race.rules import Result
 
-    for number, path in enumerate(drivers, start=1):
-        if len(drivers) > 1:
-            print_text(f"{number} of {len(drivers)}: {path.name}\n", err=True)
-        html = None if replay is None else replay / f"{path.stem}-{layout}.html"
-        options = Options(html, view, limit, loud=len(drivers) == 1, is_sandboxed=sandbox)
-        entries.append(await race(path, project, layout, options))
+    is_league = len(drivers) > 1
+    options = Options(line, view, limit, not is_league, sandbox, fingerprint(line))
+    for number, (path, name) in enumerate(zip(drivers, names_of(drivers)), start=1):
+        if is_league:
+            print_text(f"{number} of {len(drivers)}: {printable(name)}\n", err=True)
+        page = f"{name.removesuffix('.py').replace(os.sep, '-')}-{line.stem}.html"
+        try:
+            entry = await race(path, name, None if replay is None else replay / page, project, options)
+        except TutorialError as error:
+            if not is_league:
+                raise
+            entry = Entry(name, line.stem, Result(end=NO_START), str(error))
+        entries.append(entry)
         if scoreboard is not None:
-            scoreboard.write(json.dumps(entries[-1].as_dict()) + "\n")
+            scoreboard.write(json.dumps(entry.as_dict()) + "\n")
             scoreboard.flush()
+        if entry.result.foul == CHANGED and number < len(drivers):
+            raise TutorialError(f"{CHANGED}: restore them, and race the remaining drivers again.")
 
 
 def race_project(line: Path) -> Project:

@@ -23,7 +23,7 @@ from typing import Any
 import psutil
 
 from tutorial.commands.checking.sandbox import sandbox
-from tutorial.commands.checking.submission import environment
+from tutorial.commands.checking.submission import bound_memory, environment
 from tutorial.controllers.referee import Referee
 from tutorial.errors import printable
 from tutorial.program.host import Host
@@ -46,10 +46,14 @@ PRELUDE = (
 """Runs a file as ``python FILE`` does, after ``import tutorial``, which makes rclpy importable."""
 
 NO_START, DRIVER_ENDED = "no start", "driver ended"
+CHANGED = "the line or files of the tutorial have changed"
+SLOW = 0.95  # simulated time divided by real time: below this, a driver gets its pictures late
+SLOWEST = 0.2  # below this, a race ends early
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] the longest wait for a driver's publisher; imports are slow on a loaded machine
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
 LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
+MOST = 1_000_000  # maximum number of characters that a driver can print
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
 
 
@@ -71,6 +75,13 @@ class Entry:
     note: str = ""
     real_time: float = 0.0
 
+    @property
+    def warning(self) -> str:
+        """A warning if the machine was too slow for a fair race; otherwise an empty string."""
+        if not 0 < self.real_time < SLOW:
+            return ""
+        return f"raced at {self.real_time:.2f} times real time: race again with nothing else running on this machine"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the entry for JSON."""
         entry = {"driver": self.driver, "layout": self.layout, **self.result.as_dict()}
@@ -79,21 +90,23 @@ class Entry:
 
 @dataclass(frozen=True)
 class Options:
-    """How to run a race.
+    """How to run races.
 
     Attributes:
-        html: where to write a page that replays the race; None for no page.
+        line: the file of the line.
         view: whether to serve a 3D view.
         limit: the longest duration [s], in simulated time.
         loud: whether to print the driver's output on stderr.
         is_sandboxed: whether the driver runs in a sandbox.
+        fingerprint: the value of `fingerprint` before the first race.
     """
 
-    html: Path | None
+    line: Path
     view: bool
     limit: float
     loud: bool
     is_sandboxed: bool
+    fingerprint: bytes
 
 
 class Driver:
@@ -120,6 +133,11 @@ class Driver:
         self._process = parent_watch.start_watched(command, {**variables, MARK: self._mark})
         self._reader = threading.Thread(target=self._read, name="driver", daemon=True)
         self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        """The ID of its first process."""
+        return self._process.pid
 
     @property
     def ended(self) -> bool:
@@ -166,48 +184,55 @@ class Driver:
     def _read(self) -> None:
         with self._process as process:
             assert process.stdout is not None
+            count = 0
             for line in iter(partial(process.stdout.readline, LONGEST_LINE), ""):
                 self._lines.append(line)
-                self._hear(line)
+                count += len(line)
+                if count <= MOST:
+                    self._hear(line)
+                elif count <= MOST + len(line):
+                    self._hear("The rest of the driver's output is not shown.\n")
 
 
-async def race(path: Path, project: Project, layout: str, options: Options) -> Entry:
+async def race(path: Path, name: str, html: Path | None, project: Project, options: Options) -> Entry:
     """Run one race in a separate ROS domain, then stop everything that the race has started.
 
     Args:
         path: the driver's file.
+        name: the driver's name.
+        html: where to write a page that replays the race; None for no page.
         project: a project with a `Referee`.
-        layout: the name of the line.
         options: how to run the race.
 
     Raises:
         TutorialError: the world is not suitable for a race, or a file cannot be written.
     """
-    before = fingerprint()
+    layout = options.line.stem
     async with AsyncExitStack() as stack:
         stack.enter_context(_own_domain())
         scene = Scene()
-        view = View(scene) if options.view or options.html else None
+        view = View(scene) if options.view or html else None
         host = await stack.enter_async_context(Host(project, None, view))
         if options.view:
             server = await stack.enter_async_context(SceneServer(scene, title="race"))
             print_text(f"3D view: {server.url}\n")
-        if options.html is not None:
-            title = f"{path.name}, {layout}"
-            stack.enter_context(recorded(scene, options.html, title, host.shown_at, host.joint_positions))
+        if html is not None:
+            stack.enter_context(recorded(scene, html, f"{name}, {layout}", host.shown_at, host.joint_positions))
         hear = partial(print_text, err=True) if options.loud else (lambda _: None)
         driver = Driver(path, hear, options.is_sandboxed)
         stack.callback(driver.close)
+        if options.is_sandboxed:
+            stack.callback(asyncio.create_task(bound_memory(driver.pid)).cancel)
         if problem := await _meet(host, driver):
-            return Entry(path.name, layout, Result(end=NO_START), problem)
+            return Entry(name, layout, Result(end=NO_START), problem)
         referee = host.controllers["Referee"]
         assert isinstance(referee, Referee)
         referee.limit = options.limit
         note, real_time = await _run(host, referee, driver)
-        if fingerprint() != before:
-            referee.race.disqualify("files of the tutorial changed during the race")
+        if fingerprint(options.line) != options.fingerprint:
+            referee.race.disqualify(CHANGED)
         result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
-        return Entry(path.name, layout, result, result.foul or note, real_time)
+        return Entry(name, layout, result, result.foul or note, real_time)
 
 
 @contextmanager
@@ -237,21 +262,27 @@ async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float
     assert simulation is not None
     simulation.advance(simulation.time_step)  # in lockstep: it waits for the first picture, which also starts OpenGL
 
+    began, from_time = time.perf_counter(), simulation.time
+    longest = referee.limit / SLOWEST
+
     def look(_: float) -> None:
-        if referee.race.over or driver.ended:
+        if referee.race.over or driver.ended or time.perf_counter() - began > longest:
             simulation.stop()
 
-    began, from_time = time.perf_counter(), simulation.time
     await host.run(referee.limit, progress=look)
     real_time = (simulation.time - from_time) / (time.perf_counter() - began)
     if referee.race.over:
         return "", real_time
-    return driver.how_it_ended() if driver.ended else "the simulation has stopped", real_time
+    return (
+        driver.how_it_ended() if driver.ended else f"this machine is too slow: stopped after {longest:g} s",
+        real_time,
+    )
 
 
-def fingerprint() -> bytes:
-    """Return a hash of the files that decide a race: the tutorial's code, its projects and its models."""
+def fingerprint(line: Path) -> bytes:
+    """Return a hash of the files that decide a race: a line, and the tutorial's code, projects and models."""
     digest = hashlib.sha256()
-    for path in sorted((*PACKAGE.rglob("*.py"), *(original() / "project").rglob("*.*"))):
+    files = (*PACKAGE.rglob("*.py"), *(PACKAGE / "view" / "static").rglob("*"), *(original() / "project").rglob("*.*"))
+    for path in (line, *filter(Path.is_file, sorted(files))):
         digest.update(f"{path} {path.stat().st_size}\n".encode() + path.read_bytes())
     return digest.digest()

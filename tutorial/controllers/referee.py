@@ -41,8 +41,10 @@ class Referee(SimpleController):
         line = line_points(io.body.model, io.body.data).tolist()
         if not line:
             raise TutorialError("there is no line in this world. Add a line to the project: 'model: race/bend.yaml'.")
-        if math.dist(line[0], io.body.position[:2]) > REACH:
-            raise TutorialError(f"the line begins more than {REACH:g} m from the tank, at {line[0]}. Move one of them.")
+        x, y, _ = io.body.position
+        if math.dist(line[0], (x, y)) > REACH:
+            where = f"at {line[0]}, more than {REACH:g} m from the tank"
+            raise TutorialError(f"the line begins {where}. Begin it at the tank, at [{x:.2f}, {y:.2f}].")
         self.race = Race(line, self.limit)
         self.names = _geom_names(io.body.model)
         self.floor = set(np.flatnonzero(io.body.model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).tolist())

@@ -9,13 +9,15 @@ from typing import Any
 LIMIT = 40.0  # [s] the longest race
 REACH = 0.3  # [m] how close the tank's middle has to come to a point of the line; the tracks are 0.54 m apart
 SPACING = 0.01  # [m] between the points of the line
+SAMPLE = 10  # number of points per point that is checked for a cut corner
 PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
 PAUSE = 0.5  # [s] minimum interruption of a contact, after which it counts again
+SKIPPED = 1.0  # [m] length of the line that a tank has to follow beyond a missed point until it has cut a corner
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
 POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
 
-FINISHED, TIME_UP, STUCK, FOUL = "rail touched", "time up", "stuck", "foul"
+FINISHED, TIME_UP, STUCK, CUT, FOUL = "rail touched", "time up", "stuck", "corner cut", "foul"
 
 Point = tuple[float, float]
 
@@ -27,7 +29,7 @@ class Result:
     Attributes:
         progress: the fraction of the line that the tank has followed, 0 to 1.
         seconds: the race's duration in simulated time [s].
-        contacts: how often the tank has touched anything except the floor; its barrel may also touch the rail.
+        touched: what the tank has touched, and when, except for the floor, and for the rail that its barrel may touch.
         end: why the race has ended; empty during the race. It is `FINISHED` if the barrel has touched the rail after
             the tank reached the end of the line.
         foul: how the race was manipulated; empty if it was fair.
@@ -36,29 +38,34 @@ class Result:
 
     progress: float = 0.0
     seconds: float = 0.0
-    contacts: int = 0
+    touched: tuple[str, ...] = ()
     end: str = ""
     foul: str = ""
     limit: float = LIMIT
+
+    @property
+    def contacts(self) -> int:
+        """How often the tank has touched something."""
+        return len(self.touched)
 
     @property
     def score(self) -> float:
         """The score, 0 to 100 points.
 
         Following the line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for
-        the time: 20 * (1 - seconds / limit). Each contact costs 5 points, but the score is never negative. After a
+        the time: 20 * (1 - seconds / LIMIT). Each contact costs 5 points, but the score is never negative. After a
         foul, the score is 0.
         """
         if self.foul:
             return 0.0
         points = POINTS_LINE * self.progress - POINTS_CONTACT * self.contacts
         if self.end == FINISHED:
-            points += POINTS_RAIL + POINTS_TIME * (1 - self.seconds / self.limit)
+            points += POINTS_RAIL + POINTS_TIME * (1 - self.seconds / LIMIT)
         return max(points, 0.0)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the attributes and the score as a dictionary for JSON."""
-        return {"score": round(self.score, 2), **asdict(self)}
+        """Return the score, the number of contacts and the attributes as a dictionary for JSON."""
+        return {"score": round(self.score, 2), "contacts": self.contacts, **asdict(self), "touched": [*self.touched]}
 
     @property
     def course(self) -> str:
@@ -92,6 +99,9 @@ class Race:
         self._next = 0  # index of the first point that does not count yet
         self._first: int | None = None  # the value of _next at the start
         self._advanced_at = 0.0
+        self._skipped: set[int] = (
+            set()
+        )  # indices of points that the tank has come near, beyond the next one, since then
         self._touched_at: dict[str, float] = {}
         self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
         self.result = Result(limit=limit)
@@ -109,8 +119,8 @@ class Race:
             return
         foul = self._jump(seconds, position)
         progress = self._advance(seconds, position)
-        contacts = self.result.contacts + self._new_contacts(seconds, touched)
-        state = replace(self.result, progress=progress, seconds=seconds, contacts=contacts, foul=foul)
+        all_touched = self.result.touched + self._new_contacts(seconds, touched)
+        state = replace(self.result, progress=progress, seconds=seconds, touched=all_touched, foul=foul)
         self.result = replace(state, end=self._end(state, on_rail))
 
     @property
@@ -135,6 +145,9 @@ class Race:
         while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
             self._next += 1
             self._advanced_at = seconds
+            self._skipped.clear()
+        later = range(self._next + 1, len(self._points), SAMPLE)
+        self._skipped.update(i for i in later if math.dist(self._points[i], position[:2]) <= REACH)
         if self._first is None:
             self._first = self._next
         ahead = len(self._points) - self._first
@@ -149,13 +162,13 @@ class Race:
         if state.seconds >= state.limit:
             return TIME_UP
         if state.progress < 1.0 and state.seconds - self._advanced_at >= PATIENCE:
-            return STUCK
+            return CUT if len(self._skipped) * SAMPLE * SPACING > SKIPPED else STUCK
         return ""
 
-    def _new_contacts(self, seconds: float, touched: Collection[str]) -> int:
+    def _new_contacts(self, seconds: float, touched: Collection[str]) -> tuple[str, ...]:
         new = [each for each in touched if seconds - self._touched_at.get(each, -math.inf) > PAUSE]
         self._touched_at.update(dict.fromkeys(touched, seconds))
-        return len(new)
+        return tuple(f"{each} after {seconds:.1f} s" for each in sorted(new))
 
 
 def _subdivided(line: Iterable[Point]) -> list[Point]:

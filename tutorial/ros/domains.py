@@ -8,6 +8,9 @@ from contextlib import contextmanager
 
 from tutorial.errors import TutorialError
 
+FIRST_PORT, PORTS = 7400, 250
+"""The first UDP port of domain 0, and the number of ports of each domain."""
+FIRST_UNICAST = 10  # offset from a domain's first port; from there, every second port is a participant's
 DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
 """Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID").
 
@@ -17,14 +20,14 @@ IDs up to 10 are reserved for people, who choose them by hand, and for the docto
 
 @contextmanager
 def reserved_domain(avoid: str | None = None) -> Iterator[int]:
-    """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved.
+    """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved or uses.
 
-    DDS uses the domain's first port for UDP. This function binds the same TCP port without listening; the port is
-    released when the process ends, at the latest. Containers with separate networks can reserve the same ID without
-    conflict.
+    DDS uses the domain's first port for UDP. This function listens on the TCP port with the same number, which is
+    released when the process ends, at the latest. It skips domains in which a program has the first participant's UDP
+    port. Containers with separate networks can reserve the same ID without conflict.
 
     Args:
-        avoid: a ROS_DOMAIN_ID that is in use but not reserved, if any.
+        avoid: a further ROS_DOMAIN_ID to skip, if any.
 
     Raises:
         TutorialError: all IDs are taken; the error says what to do.
@@ -32,11 +35,16 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     for number in random.sample(DOMAINS, len(DOMAINS)):
         if str(number) == (avoid or "").strip():
             continue
-        with socket.socket() as held:
+        port = FIRST_PORT + PORTS * number
+        with socket.socket() as held, socket.socket(type=socket.SOCK_DGRAM) as participant:
+            held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # otherwise, closed connections block the port
             try:
-                held.bind(("127.0.0.1", 7400 + 250 * number))
+                held.bind(("127.0.0.1", port))
+                held.listen()
+                participant.bind(("127.0.0.1", port + FIRST_UNICAST))
             except OSError:
                 continue
+            participant.close()
             yield number
             return
     taken = f"all {len(DOMAINS)} ROS domains of this machine are taken"

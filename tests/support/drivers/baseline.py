@@ -18,7 +18,7 @@ class Baseline(Node):
 
     def yellow(self, pixels):
         red, green, blue = pixels.astype(int).transpose(2, 0, 1)
-        return (red > 150) & (green > 0.65 * red) & (blue < 0.3 * red)
+        return (red > 150) & (green > 0.7 * red) & (blue < 0.25 * red)
 
     def steer(self, pixels):
         height, width, _ = pixels.shape

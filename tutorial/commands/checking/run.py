@@ -2,9 +2,12 @@
 
 # ruff: noqa: PLC0415 - only races need MuJoCo
 
+from __future__ import annotations
+
 import asyncio
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
@@ -15,6 +18,9 @@ from tutorial.errors import TutorialError
 from tutorial.program.project import Project
 from tutorial.race.rules import LIMIT
 from tutorial.system.printing import print_text
+
+if TYPE_CHECKING:
+    from tutorial.commands.racing import Options
 
 Done = dict[Path, dict[str, Judged]]
 """The verdicts by notebook and exercise. The driver's is under ``race``."""
@@ -47,12 +53,17 @@ async def judge_and_race(
         for path in drivers:
             done[path][RACE] = Judged(Outcome.NOT_JUDGED, str(error), str(error))
         return
+    from tutorial.commands.racing import CHANGED, Options, fingerprint
+
+    options = Options(line, False, LIMIT, loud=False, is_sandboxed=is_sandboxed, fingerprint=fingerprint(line))
     with tqdm(total=len(drivers), unit="race", disable=None, ascii=" =") as bar:
         for number, (path, driver) in enumerate(drivers.items(), 1):
             if bar.disable:
                 print_text(f"race {number} of {len(drivers)}: {names[path]}\n", err=True)
-            done[path][RACE] = await _score(driver, project, line.stem, is_sandboxed)
+            done[path][RACE] = await _score(driver, project, options)
             bar.update()
+            if done[path][RACE].cause == CHANGED:
+                break
 
 
 async def _judge_all(
@@ -78,14 +89,17 @@ async def _judge_all(
     return {path: drivers[path] for path in names if drivers[path]}
 
 
-async def _score(driver: str, project: Project, layout: str, is_sandboxed: bool) -> Judged:
+async def _score(driver: str, project: Project, options: Options) -> Judged:
     """Run a race. The verdict is ``wrong``, with the score, if the driver failed or the race was not fair."""
-    from tutorial.commands.racing import Options, race
+    from tutorial.commands.racing import race
 
-    options = Options(html=None, view=False, limit=LIMIT, loud=False, is_sandboxed=is_sandboxed)
     with tempfile.TemporaryDirectory(prefix="tank-check-") as folder:
         path = Path(folder, "my_driver.py")
         path.write_bytes(driver.encode("utf-8", "surrogatepass"))
-        entry = await race(path, project, layout, options)
-    course, outcome = entry.result.course, Outcome.WRONG if entry.note else Outcome.SCORED
+        try:
+            entry = await race(path, path.name, None, project, options)
+        except TutorialError as error:
+            return Judged(Outcome.NOT_JUDGED, str(error), str(error))
+    outcome = Outcome.WRONG if entry.note else Outcome.SCORED
+    course = ". ".join(filter(None, (entry.result.course, entry.warning)))
     return Judged(outcome, entry.note or course, course, entry.result.score)

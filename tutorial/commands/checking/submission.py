@@ -117,7 +117,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             async with asyncio.timeout(limit):
                 process = await asyncio.shield(starting)
                 assert process.stdout is not None
-                looking = asyncio.create_task(_bound_memory(process.pid))  # also ends when the process does
+                looking = asyncio.create_task(bound_memory(process.pid))  # also ends when the process does
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
                 looking.cancel()
@@ -132,7 +132,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
     return msgspec.json.decode(line, type=kind)
 
 
-async def _bound_memory(pid: int) -> None:
+async def bound_memory(pid: int) -> None:
     """Watch the memory of a process and its descendants until it ends; kill them if they use too much."""
     with suppress(psutil.NoSuchProcess):
         first = psutil.Process(pid)

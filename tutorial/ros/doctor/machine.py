@@ -17,13 +17,11 @@ import psutil
 from tutorial.ros.backend import ros_backend
 from tutorial.ros.doctor.facts import Program
 from tutorial.ros.doctor.rules import PLACES
+from tutorial.ros.domains import FIRST_PORT, FIRST_UNICAST, PORTS
 from tutorial.ros.wheels.folder import RANGE
 
-FIRST_PORT, PORTS = 7400, 250
-"""The first UDP port of domain 0, and the number of ports of each domain."""
 COMMAND = 60  # maximum number of characters of a program's command to show
 EPHEMERAL = 32768  # from this port up, the system assigns ports to programs
-FIRST_UNICAST = 10  # offset from a domain's first port; from there, every second port is a participant's
 
 
 def reach() -> str:
