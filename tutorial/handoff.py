@@ -127,7 +127,7 @@ class CallQueue:
         if not self._turn_requested:
             try:
                 self._loop.call_soon_threadsafe(self._turn)
-            except RuntimeError:  # the loop was closed earlier than the queue
+            except RuntimeError:  # the loop was closed before the queue
                 return False
             self._turn_requested = True
         return True

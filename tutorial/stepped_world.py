@@ -109,7 +109,7 @@ class SteppedWorld:
         data: the model's state; only the thread that steps may use it.
         time_step: the given time step.
         bodies: the simulated bodies by name.
-        requests: requests of other threads, which are carried out between two steps.
+        requests: requests from other threads, which are carried out between two steps.
         step: the number of simulated steps.
         initialized: whether the controllers have been initialized, and not dismissed since.
 

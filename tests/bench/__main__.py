@@ -59,7 +59,7 @@ def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequ
 
 
 def traffic(pace: str, real: bool) -> Pair:
-    """Measure our node and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
+    """Measure our node and the reference: the real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
     if real:
         reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
     else:

@@ -1,4 +1,4 @@
-"""Measure how messages travel between two processes: with our node, plain Cyclone DDS Python, or a real rclpy.
+"""Measure how messages travel between two processes: with our node, plain Cyclone DDS Python, or the real rclpy.
 
 ``traffic.py publish|subscribe node|plain beat|flood|cost`` runs one end. Every publisher sends the same message
 reliably: 100 times a second, stamped with the time, or as fast as it can, to count the messages that arrive.

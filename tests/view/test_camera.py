@@ -122,7 +122,7 @@ def test_on_other_threads_a_receivers_error_is_kept_and_logged_once(stage, eye, 
         stage.body.camera("SMALL").capture(lambda _: None)  # waits for the first one
     assert isinstance(stage.renderer.error, SystemExit)
     assert [record.getMessage() for record in caplog.records] == [
-        "a receiver of pictures failed; other receivers continue"
+        "a callback for pictures failed; the other callbacks continue"
     ]
 
 
@@ -160,7 +160,7 @@ def test_a_machine_that_cannot_render_is_reported_once(stage, monkeypatch, caplo
     assert taken == []
     (said,) = caplog.messages
     assert said.startswith("cameras do not work, but everything else does: rendering failed (ModuleNotFound")
-    assert said.endswith("). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this.")
+    assert said.endswith("). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this problem.")
 
 
 def test_cameras_have_names_and_sizes(stage):

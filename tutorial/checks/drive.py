@@ -87,8 +87,8 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or you drop that message, so the tank keeps its last speed. "
-            "Set the speed to 0.",
+    Mistake("you set no speed while the stick is at rest, or you ignore the message that says so. "
+            "The tank then keeps its last speed. Set the speed to 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
     Mistake("you swap left and right. If the stick is to the left (left_x > 0), the left track is slower and the right "
             "track is faster.",

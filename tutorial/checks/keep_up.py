@@ -35,7 +35,9 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 BURST = 50
-MOST = 10_000  # the maximum number of a method's instructions; the other thread interrupts at each of them
+MOST = (
+    10_000  # the maximum number of instructions that a method may execute; the other thread interrupts at each of them
+)
 BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 
 

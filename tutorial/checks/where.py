@@ -76,7 +76,8 @@ MISTAKES = [
             "are 0 if there is no rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
-    Mistake("you round the numbers. Three digits lose up to half a millimetre: return the numbers unrounded.",
+    Mistake("you round the numbers. Rounding to three decimals loses up to half a millimetre. "
+            "Return the unrounded numbers.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
                     "[t.x, t.y, t.z])\npoint = np.round(point, 2)")
             + replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",

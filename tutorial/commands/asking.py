@@ -73,7 +73,7 @@ def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -
 def clear_ros_errors() -> Iterator[None]:
     """Convert rclpy's exceptions about names and arguments to errors without a traceback.
 
-    A real rclpy lists no node or topic at all while another program uses a name that it cannot handle.
+    The real rclpy lists no node or topic at all while another program uses a name that it cannot handle.
     """
     from rclpy._rclpy_pybind11 import UnknownROSArgsError
     from rclpy.exceptions import NameValidationException

@@ -115,7 +115,7 @@ class Driver:
     Args:
         path: the Python file.
         hear: called with each line of its output, on a separate thread.
-        is_sandboxed: whether it runs in a sandbox, where it can change no files.
+        is_sandboxed: whether it runs in a sandbox, where it cannot change any files.
     """
 
     def __init__(self, path: Path, hear: Callable[[str], object], is_sandboxed: bool) -> None:

@@ -57,7 +57,7 @@ def main(args: list[str] | None = None) -> None:
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
-    gc.freeze()  # otherwise, Python would spend 0.1 s on collecting garbage at exit
+    gc.freeze()  # otherwise, Python would spend 0.1 s collecting garbage at exit
     sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -97,7 +97,10 @@ def _in_vain(began: float, timeout: float, what: str) -> str:
 
 
 def log() -> None:
-    """Print the library's log lines since the last call. The lines come from any thread, so no cell shows them."""
+    """Print the library's log lines since the last call.
+
+    The lines can come from any thread, so they do not appear in a cell by themselves.
+    """
     for _ in range(len(logged.lines)):
         print(logged.lines.popleft()[1])  # noqa: T201 - this function prints
 

@@ -33,7 +33,7 @@ def find_controller(name: str) -> type[SimpleController]:
     try:
         module = import_module(known[name])
     except Exception as error:
-        if type(error).__name__ == "NeedsRealROSError":  # a real rclpy has no such exception to import
+        if type(error).__name__ == "NeedsRealROSError":  # the real rclpy has no such exception to import
             from tutorial.ros.backend import real_ros_needed  # noqa: PLC0415 - the page that drives lacks this module
 
             raise real_ros_needed(name) from error

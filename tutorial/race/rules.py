@@ -11,7 +11,7 @@ REACH = 0.3  # [m] how close the tank's middle has to come to a point of the lin
 SPACING = 0.01  # [m] between the points of the line
 SAMPLE = 10  # number of points per point that is checked for a cut corner
 PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
-PAUSE = 0.5  # [s] minimum interruption of a contact, after which it counts again
+PAUSE = 0.5  # [s] how long a contact must be interrupted before it counts again
 SKIPPED = 1.0  # [m] length of the line that a tank has to follow beyond a missed point until it has cut a corner
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 

@@ -317,5 +317,5 @@ class NodeThread(SpinThread[MeteredNode]):
         mine = (self.node.get_name(), self.node.get_namespace())
         try:
             return self.node.get_node_names_and_namespaces().count(mine)
-        except (RuntimeError, UnicodeDecodeError):  # a real rclpy lists no nodes while one has an empty name
+        except (RuntimeError, UnicodeDecodeError):  # the real rclpy lists no nodes while one has an empty name
             return 1

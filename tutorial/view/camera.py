@@ -79,7 +79,7 @@ class CameraRenderer:
     one log line reports the error, and no pictures are delivered.
 
     Attributes:
-        error: the last exception that a receiver of pictures raised, or None.
+        error: the last exception that a callback for pictures raised, or None.
     """
 
     def __init__(self) -> None:
@@ -140,7 +140,7 @@ class CameraRenderer:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(TIMEOUT / 10)
             if self._thread.is_alive():
-                _log.error("a receiver of pictures does not return; its thread will end with the process")
+                _log.error("a callback for pictures does not return; its thread will end with the process")
 
     def _main(self, model: mujoco.MjModel) -> None:
         """Run the renderer's thread, the only thread that uses OpenGL."""
@@ -174,7 +174,7 @@ class CameraRenderer:
             request.error = error
             if not request.is_awaited:
                 if self.error is None:
-                    _log.error("a receiver of pictures failed; other receivers continue", exc_info=error)
+                    _log.error("a callback for pictures failed; the other callbacks continue", exc_info=error)
                 self.error = error
         request.done.set()
 

@@ -1,4 +1,4 @@
-"""The pocket ROS 2 prints, raises and logs the same as a real rclpy."""
+"""The pocket ROS 2 prints, raises and logs the same as the real rclpy."""
 
 import gc
 import json

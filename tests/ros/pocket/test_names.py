@@ -13,9 +13,9 @@ from std_msgs.msg import String
 
 DATA = Path(__file__).parent / "data"
 NAMES: dict[str, dict[str, list[str] | None]] = json.loads((DATA / "rclpy_names.json").read_text(encoding="utf-8"))
-"""The names of each module, and the members of its classes; as a real rclpy lists them."""
+"""The names of each module, and the members of its classes; as the real rclpy lists them."""
 SIGNATURES: dict[str, str] = json.loads((DATA / "rclpy_signatures.json").read_text(encoding="utf-8"))
-"""The parameters of each existing function and method in a real rclpy, with their defaults."""
+"""The parameters of each existing function and method in the real rclpy, with their defaults."""
 
 
 @pytest.fixture

@@ -136,7 +136,7 @@ class Bench:
         self.requests.close()
         if self.node.deadlocks():
             self.node.end_deadlocks()
-            self._wait(lambda: self._own.error)  # otherwise, rclpy prints that nobody has retrieved the exception
+            self._wait(lambda: self._own.error)  # otherwise, rclpy warns that the exception was never retrieved
         self._own.close()
         self._other.close()
 

@@ -30,7 +30,7 @@ from tutorial.checks.engine.verdict import Finding, wrong
 
 LOOK = 0.1  # [s] between the watchdog's checks
 TIMEOUT = 15  # a call that is still running after this many checks counts as stuck
-BUDGET = 25  # the maximum number of checks during all calls to one method
+BUDGET = 25  # the maximum total number of checks over all calls to one method
 HALT = 5.0  # [s] how long the watchdog can go without a check before it counts as blocked itself
 
 

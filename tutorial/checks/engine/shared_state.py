@@ -16,7 +16,7 @@ from tutorial.checks.engine.answer import classes_of, functions_of
 
 _LOCKS = {type(make()): lambda _, make=make: (make, ()) for make in (threading.Lock, threading.RLock)}
 _DURATION = {Duration: lambda duration: (partial(Duration, nanoseconds=duration.nanoseconds), ())}
-"""A real rclpy cannot pickle a duration, and every QoS profile has some."""
+"""The real rclpy cannot pickle durations, and every QoS profile contains some."""
 
 _NEW = object()
 _DEFAULT = "the default of the argument "

@@ -69,7 +69,7 @@ def _draw_spans(root: Element, spans: list[Span], y: float, times: tuple[float, 
 
 def _write_labels(root: Element, spans: list[Span], y: float, times: tuple[float, float]) -> None:
     """Write each running span's name at its beginning, if there is room."""
-    free = 0.0  # the x from which there is room
+    free = 0.0  # the x beyond which there is room for a label
     for span in spans:
         x, width = _x(span.began, times), LETTER * (len(span.label) + 2)
         if span.kind == "runs" and x >= free and x + width < WIDTH:

@@ -45,7 +45,7 @@ class NodeGraph(LivePicture):
             return
         try:
             self.calls.call_latest("graph", self.show, *picture(self._watch.look()))
-        except (RuntimeError, UnicodeDecodeError) as error:  # a real rclpy lists nothing while a node's name is empty
+        except (RuntimeError, UnicodeDecodeError) as error:  # the real rclpy lists nothing while a node's name is empty
             text = f"ROS 2 reports: {printable(str(error))}"
             self.calls.call_latest("graph", self.show, svg.notice(480, 80, svg.shorten(text, 64)), text)
         ended = time.monotonic()

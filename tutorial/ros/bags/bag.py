@@ -151,7 +151,7 @@ class Bag:
         for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])
-            except Exception as error:  # noqa: BLE001 - a real rclpy raises many kinds of exceptions
+            except Exception as error:  # noqa: BLE001 - the real rclpy raises many kinds of exceptions
                 self._say(f"a message on {escape_name(name)} cannot be decoded: {printable(str(error))[:200]}")
                 continue
             yield name, time, message

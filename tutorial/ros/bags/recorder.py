@@ -168,7 +168,7 @@ class Recorder:
         except OSError as error:
             self._fail(error)
         except (RuntimeError, UnicodeDecodeError):  # the node is destroyed, or a name is not UTF-8,
-            return  # which a real rclpy cannot handle
+            return  # which the real rclpy cannot handle
 
     def _subscribe(self, topic: str, types: list[str]) -> None:
         """Record a topic if it has a publisher.

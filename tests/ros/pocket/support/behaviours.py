@@ -23,13 +23,13 @@ FOLDER = Path(__file__).parents[1] / "behaviours"
 ``prelude.py`` comes before each of them, and so does the code above the file's first cell."""
 
 RECORD = FOLDER.parent / "data/more_rclpy_behaviour.json"
-"""The results of a real rclpy; written by record_behaviours.py."""
+"""The results of the real rclpy; written by record_behaviours.py."""
 
 OLDER_RECORD = FOLDER.parent / "data/rclpy_behaviour.json"
-"""Older snippets, with the results of a real rclpy."""
+"""Older snippets, with the results of the real rclpy."""
 
 EXPRESSIONS = FOLDER.parent / "data/rclpy_expressions.json"
-"""Expressions with the results of a real rclpy, in groups that share their first lines."""
+"""Expressions with the results of the real rclpy, in groups that share their first lines."""
 
 NEWER = FOLDER.parent / "data/rclpy_newer.json"
 """Expressions with a different result in a later patch release of Jazzy, because of its message generator."""
@@ -42,7 +42,7 @@ PLACE = re.compile(r"( \(unknown location\)| \(\S+\.py\)|(, at \S+\.c:\d+)+)$")
 
 @contextmanager
 def stderr_in(file: IO[str]) -> Iterator[None]:
-    """Redirect stderr to a file, even what C code writes there, as a real rclpy does."""
+    """Redirect stderr to a file, even what C code writes there, as the real rclpy does."""
     kept = os.dup(2)
     os.dup2(file.fileno(), 2)
     try:
@@ -112,7 +112,7 @@ def behaviours() -> Iterator[tuple[str, str, str]]:
 
 
 def recorded() -> list[dict[str, Any]]:
-    """Return a row for each snippet that a real rclpy has run: its prelude, its code, and its outcome."""
+    """Return a row for each snippet that the real rclpy has run: its prelude, its code, and its outcome."""
     older = json.loads(OLDER_RECORD.read_text(encoding="utf-8"))
     rows = [row | {"prelude": older["prelude"]} for row in older["rows"]]
     codes = {(about, shows): code for about, shows, code in behaviours()}

@@ -1,4 +1,4 @@
-"""Record what a real rclpy does with the snippets in the folder behaviours, each in a fresh process.
+"""Record what the real rclpy does with the snippets in the folder behaviours, each in a fresh process.
 
 Run it with a real ROS 2 in use, then review the git diff. With ``--newer``, keep the record, and write the
 differences of a later patch release into a separate file.

@@ -21,7 +21,7 @@ def install(*, first: bool = False) -> bool:
     A broken real rclpy is not hidden: importing it raises its own error.
 
     Args:
-        first: hide a real rclpy, if one is installed. In this case, call this function before you import anything from
+        first: hide the real rclpy, if it is installed. In this case, call this function before you import anything from
             ROS 2.
 
     Returns:
@@ -40,7 +40,7 @@ def install(*, first: bool = False) -> bool:
 
 
 def uninstall() -> bool:
-    """Undo `install`, so that a real rclpy can be imported instead.
+    """Undo `install`, so that the real rclpy can be imported instead.
 
     Returns:
         Whether this was possible. If a part of the pocket ROS 2 has already been imported, nothing changes.

@@ -11,7 +11,7 @@ from typing import Any
 from _absent import FROM_PYPI, AbsentAttributeError, AbsentModules, NeedsRealROSError, absent_names
 
 TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="utf-8"))
-"""Names that only a real rclpy has, by kind: modules, attributes of modules and classes, options."""
+"""Names that only the real rclpy has, by kind: modules, attributes of modules and classes, options."""
 
 
 def install() -> None:
@@ -27,7 +27,7 @@ def install() -> None:
 
 
 class AbsentAttribute:
-    """Placeholder in a class for an attribute that only a real rclpy has.
+    """Placeholder in a class for an attribute that only the real rclpy has.
 
     A ``__getattr__`` in the class would also work, but it would slow down the lookup of all attributes.
     """
@@ -40,11 +40,11 @@ class AbsentAttribute:
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
-    """Reject options of a call that only a real rclpy has.
+    """Reject options of a call that only the real rclpy has.
 
     Raises:
         NeedsRealROSError: such an option is used.
-        TypeError: a real rclpy does not have the option either.
+        TypeError: the real rclpy does not have the option either.
     """
     for option, value in options.items():
         if option not in TABLE["options"][function]:
