@@ -228,7 +228,7 @@ class View:
         return bodies, geoms
 
     def _draw_frame(self, path: str, frame: Frame, extent: float) -> None:
-        """Draw the axes of a frame below its body's path, and hide them. static/camera.js also uses these paths."""
+        """Add the axes of a frame below its body's path, hidden at first. static/camera.js also uses these paths."""
         own = self._frames[frame.name] = f"{path}/frames/{frame.name.replace('/', '.')}"
         self._set_object(f"{own}/axes", shapes.draw_axes(own, frame.name, AXES * extent, frame.pose, frame.label))
         self._set(own, "visible", False)

@@ -44,7 +44,7 @@ class Edit:
         return source.replace(self.old, self.new.replace("\n", f"\n{indent}")) if is_there else None
 
 
-# Ways to make a mistake: each is a group of edits that belong together.
+# Mistakes: each is a group of edits that belong together.
 Ways = tuple[tuple[Edit, ...], ...]
 
 

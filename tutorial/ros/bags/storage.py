@@ -33,7 +33,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Channel:
-    """A bag's data about a topic, without the messages.
+    """A bag's metadata for a topic.
 
     Attributes:
         topic: its full name.

@@ -25,7 +25,7 @@ CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"boo
 """`struct`'s codes for the primitives; strings have no code."""
 
 # Each template is code that reads one kind of field from the bytes `data`, at the offset `at` or after the padding that
-# follows it: a number of N bytes begins at a multiple of N.
+# follows it: an N-byte number begins at a multiple of N.
 COUNT = "at = at + 3 & -4; count, = unpack_uint32(data, at); at += 4; "
 ALIGN = "at = at + {pad} & ~{pad}; "
 NUMBER = ALIGN + "{target}, = unpack_{base}(data, at); at += {width}"

@@ -62,7 +62,7 @@ class Node(NodeGraph, NodeParameters):
         allow_undeclared_parameters: allow setting and reading parameters that have not been declared.
         automatically_declare_parameters_from_overrides: declare the parameters in ``parameter_overrides`` and on the
             command line.
-        **options: rclpy's other options, which the pocket ROS 2 does not have.
+        **options: rclpy's other options, which the pocket ROS 2 does not support.
 
     Raises:
         NotInitializedException: ``rclpy.init()`` has not been called.
@@ -180,7 +180,7 @@ class Node(NodeGraph, NodeParameters):
             topic: the topic's name; relative to the node's namespace unless it begins with a slash.
             qos_profile: the QoS; an int is the number of messages kept for slow subscriptions.
             publisher_class: the class to create, such as a subclass of `Publisher` that overrides ``publish``.
-            **options: rclpy's other options, which the pocket ROS 2 does not have.
+            **options: rclpy's other options, which the pocket ROS 2 does not support.
 
         Raises:
             InvalidTopicNameException: the name breaks the naming rules.
@@ -209,7 +209,7 @@ class Node(NodeGraph, NodeParameters):
             callback: called with each message, or with the message and a dict about it, on the thread that spins.
             qos_profile: the QoS; an int is the number of messages that can wait for the callback.
             raw: pass bytes to the callback instead of messages.
-            **options: rclpy's other options, which the pocket ROS 2 does not have.
+            **options: rclpy's other options, which the pocket ROS 2 does not support.
 
         Raises:
             InvalidTopicNameException: the name breaks the naming rules.

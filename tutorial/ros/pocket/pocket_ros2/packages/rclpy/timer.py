@@ -111,7 +111,7 @@ class Timer(Destroyable):
         return True
 
     def clock_has_jumped(self, before: int, switched: bool) -> None:
-        """Adjust to a clock's jump as rcl does: restart after a jump backwards, keep the remaining time after a switch.
+        """Handle a clock jump as rcl does: restart after a jump backwards, keep the remaining time after a switch.
 
         Args:
             before: the clock's time before the jump [ns].
