@@ -60,8 +60,8 @@ def kept_newest(messages):
     return [("gap", *earlier, *stamps[:1])] if earlier else find_gaps(messages)
 
 
-LAST = "you compare each stamp with the one before it"
-EMPTY = "You probably expect at least one message"
+LAST = "your code compares each stamp with the one before it"
+EMPTY = "Your code probably expects at least one message"
 
 
 WRONG = [
