@@ -109,8 +109,8 @@ METHODS = [
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smooths the speeds"),
     ({"on_joy": throttle}, "arrive too close together"),
     ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["so the tank keeps moving"]),
-    ({"configure": subscribes_first}, "create the subscription before the attributes that its callback uses"),
-    ({"configure": other_type}, ["a different topic or type", "read it before it is set"]),
+    ({"configure": subscribes_first}, "creates the subscription before the attributes that its callback uses"),
+    ({"configure": other_type}, ["a different topic or type", "reads it before it is set"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not notify the node"),
     ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure, destroy only the subscription"),
 ]

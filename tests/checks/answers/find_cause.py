@@ -186,7 +186,7 @@ WRONG += [
     (edited(find_cause, edit), cause)
     for edit, cause in [
         (("each.reliable or not subscription.reliable", "each.reliable"), "accepts any publisher"),
-        (("each.type == subscription.type", "each"), "you don't test `each.type == subscription.type`"),
+        (("each.type == subscription.type", "each"), "your code doesn't test `each.type == subscription.type`"),
         (("facts.unmoved > facts.received / 2", "facts.unmoved >= facts.received / 2"), "compare with >"),
         (("in reliable if", "in same if"), "A single publisher has to be both"),
         (("if facts.found_in", "if not facts.found_in"), "your condition is reversed"),

@@ -67,5 +67,5 @@ EMPTY = "Your code probably expects at least one message"
 WRONG = [
     (edited(gaps, ('"gap"', '"GAP"')), 'The only kinds of events are "gap" and "restart".'),
     (neighbours_of_some, [LAST, EMPTY]),
-    (kept_newest, ["You keep newest_of_all from one call to the next"]),
+    (kept_newest, ["Your code keeps newest_of_all from one call to the next"]),
 ]

@@ -78,5 +78,5 @@ class OnItsOwnThread(AtATime):
 
 WRONG = [
     (edited(gyro, ("{self.io.body.name}", "odom")), "omits the name of the body or the sensor"),
-    (OnItsOwnThread, "publish from a timer or a thread"),
+    (OnItsOwnThread, "publishes from a timer or a thread"),
 ]

@@ -120,6 +120,6 @@ WRONG += [
         ((DESTROY, PUT_BACK), "puts the body back without"),
         ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it is down"),
         ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it is down"),
-        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "post directly to the event loop"),
+        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "posts directly to the event loop"),
     ]
 ]
