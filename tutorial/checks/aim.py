@@ -59,55 +59,55 @@ MISTAKES = [
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = 0.0, joint.position")),
     Mistake("self.q_prev starts at 0, so the first speed is wrong. Start at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
-    Mistake("you move the reference from joint.position. Start from the previous reference, self.q_ref.",
+    Mistake("your code computes the reference from joint.position. Start from the previous reference, self.q_ref.",
             replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
-    Mistake("you convert between radians and degrees. 0.002 is already in rad, like angles and ranges.",
+    Mistake("your code converts between radians and degrees. 0.002 is already in rad, like angles and ranges.",
             replace("0.002", "radians(0.002)", "degrees(0.002)")),
-    Mistake("you multiply the move by time_step. The reference moves "
+    Mistake("your code multiplies the move by time_step. The reference moves "
             "by 0.002 * stick rad in each call, whatever the time step.",
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
-    Mistake("you use only the sign of the stick. At half stick, the reference moves half as far: 0.002 * stick.",
+    Mistake("your code uses only the sign of the stick. At half stick, the reference moves half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
-    Mistake("you clamp the stick to joint.range. Clamp the reference, which is an angle.",
+    Mistake("your code clamps the stick to joint.range. Clamp the reference, which is an angle.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
-    Mistake("you use the stick as the angle. The stick moves the reference by 0.002 * stick in each call.",
+    Mistake("your code uses the stick as the angle. The stick moves the reference by 0.002 * stick in each call.",
             replace("self.q_ref + 0.002 * stick", "stick")),
-    Mistake("you don't clamp the reference at both ends. Keep it between joint.range[0] and joint.range[1].",
+    Mistake("your code doesn't clamp the reference at both ends. Keep it between joint.range[0] and joint.range[1].",
             replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
                     "= -self.joint.range[1], self.joint.range[1]")),
-    Mistake("you use the clamped reference but store the unclamped reference, which then takes time to return into the "
-            "range. Store the clamped reference.",
+    Mistake("your code uses the clamped reference but stores the unclamped reference, which then takes time to "
+            "return into the range. Store the clamped reference.",
             both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
                  replace("self.joint = joint", "self.far, self.joint = joint.position, joint"),
                  replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
-    Mistake("you swap the two gains. 200 is for the angle, 50 for the speed.",
+    Mistake("your code swaps the two gains. 200 is for the angle, 50 for the speed.",
             replace("200 * (q_ref - q) + 50 *", "50 * (q_ref - q) + 200 *")),
-    Mistake("you compute dq_ref from the stick. Compute it from the "
+    Mistake("your code computes dq_ref from the stick. Compute it from the "
             "clamped reference: (q_ref - self.q_ref) / self.time_step.",
             replace("(q_ref - self.q_ref) /", "0.002 * stick /")),
-    Mistake("you don't divide the speeds by time_step. A speed is a change divided by the time that it took.",
+    Mistake("your code doesn't divide the speeds by time_step. A speed is a change divided by the time that it took.",
             replace("/ self.time_step", "/ 1.0")),
-    Mistake("you multiply the speeds by time_step. A speed is a change divided by the time that it took.",
+    Mistake("your code multiplies the speeds by time_step. A speed is a change divided by the time that it took.",
             replace("/ self.time_step", "* self.time_step")),
-    Mistake("you don't store q in self.q_prev. The next call needs it for dq.",
+    Mistake("your code doesn't store q in self.q_prev. The next call needs it for dq.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = q_ref")),
-    Mistake("you don't store q_ref in self.q_ref. The next call starts from it.",
+    Mistake("your code doesn't store q_ref in self.q_ref. The next call starts from it.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
-    Mistake("you set self.q_prev to the reference. Set it to the joint's angle, q.",
+    Mistake("your code sets self.q_prev to the reference. Set it to the joint's angle, q.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
-    Mistake("you compute the torque with the old reference. Move the reference first.",
+    Mistake("your code computes the torque with the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),
-    Mistake("you add the torque to the previous one with +=. Set it with "
+    Mistake("your code adds the torque to the previous one with +=. Set it with "
             "=: joint.effort still holds the torque of the previous step.",
             both(replace("self.joint.effort =", "self.joint.effort +="),
                  replace("200 * (q_ref - q) + 50 * (dq_ref - dq)", "200 * (q_ref - q) + 50 * (dq_ref - dq)",
                          "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),
-    Mistake("you set no torque while the stick is at rest. The joint needs a torque even then.",
+    Mistake("your code sets no torque while the stick is at rest. The joint needs a torque even then.",
             replace("lower, upper =", "if not stick: return\nlower, upper =")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: move and clamp q_ref, compute both speeds, and set "
            "joint.effort to 200 * (q_ref - q) + 50 * (dq_ref - dq), unclamped.")  # fmt: skip
-POSITION = "You probably set joint.position to the result. A motor needs a torque: set joint.effort."
+POSITION = "Your code probably sets joint.position to the result. A motor needs a torque: set joint.effort."
 
 NARROW = (-0.1700001, 0.7800001)  # [rad]; slightly more than a whole number of moves from the cases' starting angles
 
@@ -156,19 +156,19 @@ CASES = [
     Case("half stick down, the joint follows", last(STILL, (-0.5, -1.0, 20))),
     Case("stick at rest, the joint is pushed", last((0.0, 0.0, 2), (0.0, 0.5, 20))),
     Case("full stick at the end of the range", last(UP, begin=0.7),
-         "You probably stop the reference too early or too late. The reference's limits "
+         "The reference probably stops too early or too late. Its limits "
          "are joint.range[0] and joint.range[1], in rad."),
     Case("the stick reversed at the end of the range", last(UP, (-1.0, 0.0, 1), begin=0.7)),
     Case("full stick down at the lower end of the range, then up", last((-1.0, 0.0, 60), (1.0, 0.0, 1), begin=-0.1)),
     Case("full stick, with steps of 5 ms", last(STILL, (1.0, 0.3, 9), dt=0.005),
-         "You probably use a fixed time step. Use time_step."),
+         "Your code probably uses a fixed time step. Use time_step."),
     Case("the first call, at full stick", last((1.0, 0.0, 1))),
     Case("a tenth of full stick", last((0.1, 0.0, 10)),
-         "You probably ignore small deflections of the stick, or use only the deflection's sign. "
+         "Your code probably ignores small deflections of the stick, or uses only the deflection's sign. "
          "The reference moves by 0.002 * stick."),
     Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
     Case("full stick, a joint with a different range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
-         "You probably hard-code the ends of the range. Read them from joint.range."),
+         "Your code probably hard-codes the ends of the range. Read them from joint.range."),
     Case("two joints in turn", two),
 ]  # fmt: skip
 

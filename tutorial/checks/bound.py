@@ -46,16 +46,17 @@ def four_axes(message: Joy) -> list[float]:
 
 
 MISTAKES = [
-    Mistake("you remove an invalid axis, so the later axes move up. Keep its place: use "
+    Mistake("your code removes an invalid axis, so the later axes move up. Keep its place: use "
             "0 if it isn't finite, otherwise the nearest limit.",
             replace("*message.axes[:4],", "*filter(isfinite, message.axes[:4]),",
                     "*filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),")),
-    Mistake("you lose the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
+    Mistake("your code loses the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
             replace("max(axis, -1.0)", "max(axis, 0.0)", "abs(axis)")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: use the first four axes, in their order; "
            "use 0 for each axis that is missing or not finite, and clamp the others.")  # fmt: skip
-ALL = "You probably copy all axes, or go through all of them. Start with message.axes[:4], which copies only four."
+ALL = ("Your code probably copies all axes, or goes through all of them. "
+       "Start with message.axes[:4], which copies only four.")  # fmt: skip
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
 LONG = "it takes far longer than for four"
@@ -117,21 +118,22 @@ def million(trial: Trial) -> list[float]:
     return numbers(returned)
 
 
-SHORT = "You probably expect four axes, or drop a message with fewer. Use the axes that it has; missing axes are 0."
-INFINITE = ("You probably clamp an infinity to 1 or -1. Use 0 instead: check isfinite(axis) "
+SHORT = ("Your code probably expects four axes, or drops messages with fewer. "
+         "Use the axes that the message has; missing axes are 0.")  # fmt: skip
+INFINITE = ("Your code probably clamps an infinity to 1 or -1. Use 0 instead: check isfinite(axis) "
             "first. (isnan finds only NaN.)")  # fmt: skip
-BEYOND = ("You probably leave an axis outside of -1 to 1 unchanged, set it to 0, "
-          "or scale all axes. Clamp it: min(max(axis, -1.0), 1.0).")  # fmt: skip
+BEYOND = ("Your code probably leaves an axis outside of -1 to 1 unchanged, sets it to 0, "
+          "or scales all axes. Clamp it: min(max(axis, -1.0), 1.0).")  # fmt: skip
 CASES = [
     Case("four axes", given(*FOUR)),
     Case("six axes", given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),
-         "You probably require a certain number of axes. A message can have more axes; use only the first four: "
+         "Your code probably requires a fixed number of axes. A message can have more axes; use only the first four: "
          "message.axes[:4].", crashes=True),
     Case("three axes", given(0.75, 0.5, -0.625), SHORT, crashes=True),
     Case("one axis", given(0.75), SHORT, crashes=True),
     Case("no axes", given(), SHORT, crashes=True),
     Case("NaN for the second axis", given(0.5, nan, 0.75, -0.625),
-         "You probably remove NaN, let it change the other axes, or clamp it. Use 0 instead: "
+         "Your code probably removes NaN, lets it change the other axes, or clamps it. Use 0 instead: "
          "check isfinite(axis) first.", crashes=True),
     Case("infinity for the first axis", given(inf, -0.625, 0.75, 0.5), INFINITE, crashes=True),
     Case("minus infinity for the last axis", given(0.625, 0.5, -0.75, -inf), INFINITE, crashes=True),
@@ -143,7 +145,7 @@ CASES = [
     Case("only one axis, which is NaN", given(nan), SHORT, crashes=True),
     Case("NaN and infinity after the fourth axis", given(*FOUR, nan, inf), INFINITE, crashes=True),
     Case("two messages, both results read at the end", twice,
-         "You probably return the same list from every call, and change it. Make a new list in each call.",
+         "Your code probably returns the same list from every call, and changes it. Make a new list in each call.",
          crashes=True),
     Case("a million axes", million),
 ]  # fmt: skip

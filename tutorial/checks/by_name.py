@@ -48,19 +48,20 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
 
 
 MISTAKES = [
-    Mistake("you filter names or positions before zip, so the rest is "
+    Mistake("your code filters names or positions before zip, so the rest are "
             "paired wrongly. Zip the two lists first, then filter the pairs.",
             replace("message.name, message.position", "[n for n in message.name if n in joint_names], message.position",
                     "message.name, [*filter(isfinite, message.position)]",
                     "message.name, [q for q in message.position if q == q]")),
-    Mistake("you convert the positions. Return them unchanged: both sides use rad or m.",
+    Mistake("your code converts the positions. Return them unchanged: both sides use rad or m.",
             replace("name: position", "name: degrees(position)", "name: radians(position)")),
-    Mistake("you test only for NaN. An infinity isn't finite either: use math.isfinite.",
+    Mistake("your code tests only for NaN. An infinity isn't finite either: use math.isfinite.",
             replace("isfinite(position)", "position == position")),
 ]  # fmt: skip
-MEANING = "You probably use the wrong pairs: use each pair whose name is in joint_names and whose position is finite."
+MEANING = ("Your code probably uses the wrong pairs: use each pair "
+           "whose name is in joint_names and whose position is finite.")  # fmt: skip
 A_DICT = "Return a dict that maps names to positions, empty if no pair is valid. dict(pairs) makes a dict from pairs."
-KEPT = "You probably reuse one dict in all calls. Make a new dict in every call, not as a default argument."
+KEPT = "Your code probably reuses one dict in all calls. Make a new dict in every call, not as a default argument."
 
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
@@ -96,26 +97,27 @@ def pairs(found: dict[Any, Any]) -> list[str]:
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
-UNKNOWN = ("You probably look up unknown names, or stop at the first unknown name. Skip that pair, and "
+UNKNOWN = ("Your code probably looks up unknown names, or stops at the first unknown name. Skip that pair, and "
            "continue.")  # fmt: skip
-EMPTY = "You probably expect at least one position. Without positions, return {}."
-NOT_A_NUMBER = ("You probably return NaN, or let it affect the other "
+EMPTY = "Your code probably expects at least one position. Without positions, return {}."
+NOT_A_NUMBER = ("Your code probably returns NaN, or lets it affect the other "
                 "joints. Skip only that pair; math.isfinite detects it.")  # fmt: skip
-TWICE = "You probably use the wrong position of a repeated name, or omit the name. Use its last finite position."
+TWICE = ("Your code probably uses the wrong position of a repeated name, "
+         "or omits the name. Use its last finite position.")  # fmt: skip
 CASES = [
     Case("all joints, in order", heard(BODY, (0.1, 0.2, 0.3)),
-         "You probably return something other than {name: position} "
+         "Your code probably returns something other than {name: position} "
          "with all pairs. Fill one dict, and return it after the loop.", crashes=True),
     Case("joints in a different order", heard(BODY[::-1], (0.3, 0.2, 0.1)),
-         "You probably expect the joints in the body's order. "
+         "Your code probably expects the joints in the body's order. "
          "Take each position's joint from the message's names.", crashes=True),
     Case("a message with only HATCH", heard(("HATCH",), (0.3,)),
-         "You probably expect every joint in every message, or invent a number for a missing joint. Omit a joint that "
-         "the message does not name.",
+         "Your code probably expects every joint in every message, or invents a number for a missing joint. Omit a "
+         "joint that the message does not name.",
          crashes=True),
     Case("an unknown name, ANTENNA", heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)), UNKNOWN, crashes=True),
     Case("3 names, 2 positions", heard(BODY, (0.1, 0.2)),
-         "You probably expect a position for every name. Use zip: it skips names without a position.",
+         "Your code probably expects a position for every name. Use zip: it skips names without a position.",
          crashes=True),
     Case("no positions", heard(BODY, ()), EMPTY, crashes=True),
     Case("NaN for TURRET_P", heard(BODY, (0.1, nan, 0.3)), NOT_A_NUMBER, crashes=True),
@@ -123,7 +125,8 @@ CASES = [
     Case("TURRET_Y twice, then smaller", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE,
          crashes=True),
     Case("TURRET_Y at 0, HATCH below 0", heard(BODY, (0.0, 0.2, -0.3)),
-         "You probably skip 0, as `if position` does, or negative numbers. Both are valid positions.", crashes=True),
+         "Your code probably skips 0, as `if position` does, or negative numbers. Both are valid positions.",
+         crashes=True),
     Case("an unknown name in the middle", heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)), UNKNOWN,
          crashes=True),
     Case("NaN for HATCH, the last joint", heard(BODY, (0.1, 0.2, nan)), NOT_A_NUMBER, crashes=True),
@@ -132,20 +135,20 @@ CASES = [
     Case("TURRET_Y twice, NaN last", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
     Case("an empty message", heard((), ()), EMPTY, crashes=True),
     Case("2 names, 3 positions", heard(BODY[:2], (0.1, 0.2, 0.3)),
-         "You probably expect a name for every position. Use zip: it skips positions without a name.",
+         "Your code probably expects a name for every position. Use zip: it skips positions without a name.",
          crashes=True),
     Case("names that are almost right", heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
-         "You probably change names before you compare them, or you compare only "
+         "Your code probably changes names before it compares them, or compares only "
          "parts of them. Use a name only if it equals a joint's name.", crashes=True),
     Case("a position with many digits", heard(BODY, (0.123456, -9.23456, 0.3)),
-         "You probably convert or round positions, or drop their sign. Return them unchanged.", crashes=True),
+         "Your code probably converts or rounds positions, or drops their sign. Return them unchanged.", crashes=True),
     Case("a message for the crane", heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
-         "You probably hard-code the tank's joint names. Use joint_names, the names of the body's joints.",
+         "Your code probably hard-codes the tank's joint names. Use joint_names, the names of the body's joints.",
          crashes=True),
     Case("infinity for HATCH", heard(BODY, (0.1, 0.2, inf)),
-         "You probably test only for NaN. An infinity isn't finite either: use math.isfinite.", crashes=True),
+         "Your code probably tests only for NaN. An infinity isn't finite either: use math.isfinite.", crashes=True),
     Case("a body with one joint", heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
-         "You probably read only as many names as the body has joints. Go through all names of the message.",
+         "Your code probably reads only as many names as the body has joints. Go through all names of the message.",
          crashes=True),
 ]  # fmt: skip
 

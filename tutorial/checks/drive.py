@@ -79,7 +79,7 @@ MISTAKES = [
     Mistake("control never gets the message, or sets no speed. Read "
             "self.joy.get(), and set self.track_l.ctrl, not self.track_l.",
             replace("self.joy.put(message)", "pass")),
-    Mistake("you also move the turret or the barrel. Set only the "
+    Mistake("your code also moves the turret or the barrel. Set only the "
             "tracks. (TankController's control also sets the turret.)",
             both(replace("self.track_l =",
                          'self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0\nself.track_l ='),
@@ -87,27 +87,27 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("you set no speed while the stick is at rest, or you ignore the message that says so. "
+    Mistake("your code sets no speed while the stick is at rest, or ignores the message that says so. "
             "The tank then keeps its last speed. Set the speed to 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
-    Mistake("you swap left and right. If the stick is to the left (left_x > 0), the left track is slower and the right "
-            "track is faster.",
+    Mistake("your code swaps left and right. If the stick is to the left (left_x > 0), the left track is slower and "
+            "the right track is faster.",
             replace("0.5 * left_x", "-0.5 * left_x")),
-    Mistake("you swap left_x and left_y. axes[0] is left_x, sideways, and axes[1] is left_y, forward.",
+    Mistake("your code swaps left_x and left_y. axes[0] is left_x, sideways, and axes[1] is left_y, forward.",
             replace("left_x, left_y =", "left_y, left_x =")),
-    Mistake("you read an axis of the right stick. The left stick is axes[0] and axes[1].",
+    Mistake("your code reads an axis of the right stick. The left stick is axes[0] and axes[1].",
             replace("axes[:2]", "axes[2:]", "axes[1:3]", "[axes[2], axes[1]]", "[axes[0], axes[3]]")),
-    Mistake("you use TankController's speeds, 2 y - x and 2 y + x. "
+    Mistake("your code uses TankController's speeds, 2 y - x and 2 y + x. "
             "Here they are half as fast: 1.0 * left_y and 0.5 * left_x.",
             both(replace("1.0 * left_y", "2.0 * left_y"), replace("0.5 * left_x", "1.0 * left_x"))),
-    Mistake("you have no dead zone. An axis counts as 0 if abs(axis) <= 0.3.", replace("> 0.3", "> -1")),
+    Mistake("your code has no dead zone. An axis counts as 0 if abs(axis) <= 0.3.", replace("> 0.3", "> -1")),
     Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
-    Mistake("you use a single dead zone for both axes. Check each axis separately: abs(axis) > 0.3.",
+    Mistake("your code uses a single dead zone for both axes. Check each axis separately: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
-    Mistake("you subtract the dead zone from the axis, or rescale the "
-            "rest. Outside of the dead zone, use the axis unchanged.",
+    Mistake("your code subtracts the dead zone from the axis, or rescales the "
+            "axis. Outside of the dead zone, use the axis unchanged.",
             replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
@@ -191,23 +191,24 @@ def halved(trial: Trial, in_callback: bool) -> str:
     return "half of the message is used" if set(seen) - whole else "either the whole message is used, or none of it yet"
 
 
-AT_REST = "You probably drop a message with centred sticks, so the tank keeps moving. Store every message."
-MISSING = ("You probably expect every axis to be present, or drop a message with too few axes. Missing "
+AT_REST = "Your code probably drops messages with centred sticks, so the tank keeps moving. Store every message."
+MISSING = ("Your code probably expects every axis to be present, or drops messages with too few axes. Missing "
            "axes count as 0; four_axes(message) fills them in.")  # fmt: skip
-NEWEST = ("You probably let a message expire, or drop messages that arrive too "
+NEWEST = ("Your code probably lets messages expire, or drops messages that arrive too "
           "close together. Use the newest message until the next one arrives.")  # fmt: skip
-KEPT = "You probably create self.joy in initialize, which discards the last message. Create it in configure."
+KEPT = "Your code probably creates self.joy in initialize, which discards the last message. Create it in configure."
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
-         "You probably use \"/joy\" or a different topic or type, or don't "
+         "Your code probably uses \"/joy\" or a different topic or type, or doesn't "
          'subscribe. In configure, call create_subscription(Joy, "joy", ...).'),
     Case("a message, before the next step", after("start", DRIVES),
-         "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
+         "The callback probably sets the tracks. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
-         "You probably assume that a message has arrived. Before the first message, use an empty one: Latest(Joy()).",
+         "Your code probably assumes that a message has arrived. "
+         "Before the first message, use an empty one: Latest(Joy()).",
          crashes=True),
-    Case("the second step does the same", second_step, "You probably smooth the speeds, or use a message in only "
-         "one step. Set the full speeds immediately, and in every step."),
+    Case("the second step does the same", second_step, "Your code probably smooths the speeds, or uses a message in "
+         "only one step. Set the full speeds immediately, and in every step."),
     *(Case(f"left_x {x:g}, left_y {y:g}", after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1)) for x, y in STICKS),
     Case("all sticks at rest", after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1), AT_REST),
     Case("all sticks almost at rest", after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1), AT_REST),
@@ -215,19 +216,19 @@ CASES = [
     Case("a message with 0 axes", after("start", DRIVES, 1, (), 1), MISSING, crashes=True),
     Case("a message with 1 axis", after("start", DRIVES, 1, (1.0,), 1), MISSING, crashes=True),
     Case("a message with 8 axes", after("start", DRIVES, 1, (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4), 1),
-         "You probably require a certain number of axes. "
+         "Your code probably requires a fixed number of axes. "
          "A message can have more: four_axes(message) returns the first four.",
          crashes=True),
     Case("300 steps without a message", after("start", DRIVES, 300), NEWEST),
     Case("four messages between two steps", after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
-         "You probably queue the messages, or use the first. "
+         "Your code probably queues the messages, or uses the first message. "
          "Keep only the newest: put each message into the same Latest."),
     Case("a message before the start", after(DRIVES, "start", 1), KEPT),
     Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
     Case("two tanks", two,
-         "You probably store the message on the class, so all tanks share it. Create self.joy in configure."),
+         "Your code probably stores the message on the class, so all tanks share it. Create self.joy in configure."),
     Case("control runs between the callback's instructions", lambda trial: halved(trial, True),
-         "Your callback probably stores a message in several parts, "
+         "Your callback probably stores a message's axes one by one, "
          "and control runs in between. Put the whole message into self.joy."),
     Case("a message arrives between control's instructions", lambda trial: halved(trial, False),
          "Your control probably reads self.joy twice, and a message "

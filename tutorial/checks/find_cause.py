@@ -69,59 +69,63 @@ REVERSED = replace(
     "if not subscription.reliable and any(each.reliable for each in same):",
 )
 MISTAKES = [
-    Mistake("you require the same reliability on both sides. "
+    Mistake("your code requires the same reliability on both sides. "
             "A subscription that is not reliable accepts any publisher.",
             replace("if each.reliable or not subscription.reliable", "if each.reliable == subscription.reliable",
                     "if each.reliable")),
-    Mistake("you test reliability the wrong way round: the publisher has to offer at least what the subscription "
-            "requests.",
+    Mistake("your code tests reliability the wrong way round: the publisher has to offer at least what the "
+            "subscription requests.",
             replace("if each.reliable or not subscription.reliable", "if subscription.reliable or not each.reliable")
             + REVERSED
             + both(REVERSED, replace("if not durable:", "if subscription.transient_local and not durable:"))),
-    Mistake("you require the same durability on both sides. A VOLATILE subscription accepts any publisher.",
+    Mistake("your code requires the same durability on both sides. A VOLATILE subscription accepts any publisher.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if each.transient_local == subscription.transient_local", "if each.transient_local")),
-    Mistake("you test durability the wrong way round: the publisher has to offer at least what the subscription "
-            "requests.",
+    Mistake("your code tests durability the wrong way round: the publisher has to offer at least what the "
+            "subscription requests.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if subscription.transient_local or not each.transient_local")
             + replace("if not durable:",
                       "if not subscription.transient_local and all(each.transient_local for each in reliable):",
                       "if not subscription.transient_local and any(each.transient_local for each in reliable):")),
-    Mistake("you check only the first publisher. A subscription needs one compatible publisher: check all publishers.",
+    Mistake("your code checks only the first publisher. "
+            "A subscription needs one compatible publisher: check all publishers.",
             replace("facts.publishers if each.type", "facts.publishers[:1] if each.type")
             + replace("if not same:", "if facts.publishers[0].type != subscription.type:")
             + replace("if not reliable:", "if subscription.reliable and not facts.publishers[0].reliable:")),
-    Mistake("you check only the first subscription. Check all subscriptions: a single one can be incompatible.",
+    Mistake("your code checks only the first subscription. Check all subscriptions: a single one can be incompatible.",
             replace("in facts.subscriptions", "in facts.subscriptions[:1]")),
-    Mistake("you require every publisher to be compatible. One compatible publisher is enough for a subscription.",
+    Mistake("your code requires every publisher to be compatible. "
+            "One compatible publisher is enough for a subscription.",
             replace("if not same:", "if len(same) < len(facts.publishers):")
             + replace("if not reliable:", "if len(reliable) < len(same):")
             + replace("if not durable:", "if len(durable) < len(reliable):")),
-    Mistake("you test for the type too late, or not at all. Return the first cause in the list that applies.",
+    Mistake("your code tests for the type too late, or not at all. Return the first cause in the list that applies.",
             replace("if not same:", "if subscription.reliable and not reliable:\n    return 'reliability'\n"
                                     "if not same:")
             + replace('return "type"', "pass")),
-    Mistake("you look at the messages before the subscriptions. Return the first cause in the list that applies.",
+    Mistake("your code looks at the messages before the subscriptions. "
+            "Return the first cause in the list that applies.",
             replace("for subscription in facts",
                     "if not facts.received:\n"
                     "    waiting = any(each.node in facts.clock_users for each in facts.publishers)\n"
                     "    return 'clock' if waiting and not facts.clock_ticks else 'silent'\n"
                     "for subscription in facts",
                     "if not facts.received:\n    return 'silent'\nfor subscription in facts")),
-    Mistake("you return 'silent' before you test for the clock. Return the first cause in the list that applies.",
+    Mistake("your code returns 'silent' before it tests for the clock. "
+            "Return the first cause in the list that applies.",
             replace('"clock" if waiting and not facts.clock_ticks else "silent"', '"silent"')),
-    Mistake("you compare clock_users with the nodes of the subscriptions. "
+    Mistake("your code compares clock_users with the nodes of the subscriptions. "
             "The publisher's node has to follow /clock.",
             replace("clock_users for each in facts.publishers", "clock_users for each in facts.subscriptions")),
-    Mistake("you blame the clock although its messages arrive. Also test clock_ticks.",
+    Mistake("your code blames the clock although messages arrive on /clock. Also test clock_ticks.",
             replace("waiting and not facts.clock_ticks", "waiting")),
-    Mistake("you blame the clock although no publisher follows it. "
+    Mistake("your code blames the clock although no publisher follows /clock. "
             "Test whether the node of a publisher is in clock_users.",
             replace("waiting and not", "not", "facts.clock_users and not")),
-    Mistake("you report dropped messages as soon as one moves no joint. Require more than half of them.",
+    Mistake("your code reports dropped messages as soon as one message moves no joint. Require more than half of them.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved")),
-    Mistake("you report dropped messages only if no message moves a joint. More than half is enough.",
+    Mistake("your code reports dropped messages only if no message moves a joint. More than half is enough.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved == facts.received")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: without a publisher, domain or nobody. Then, for each subscription: "
@@ -171,17 +175,20 @@ def named(trial: Trial, facts: Facts) -> str:
     return returned or "all is well"
 
 
-ORDER = "You probably test the causes in a different order. Return the first one in the list that applies."
-OTHER_TYPE = "You probably count a publisher of a different type, which never matches the subscription."
-EACH = "You probably check only one subscription, or only whether any of them has a publisher. Each needs a publisher."
-ALONE = "You probably look at something else first. Without a publisher, only found_in distinguishes the two causes."
-TYPES = "You probably don't compare the types of both sides: each.type == subscription.type."
+ORDER = "Your code probably tests the causes in a different order. Return the first one in the list that applies."
+OTHER_TYPE = "Your code probably counts a publisher of a different type, which never matches the subscription."
+EACH = ("Your code probably checks only one subscription, or only whether "
+        "any of them has a publisher. Each needs a publisher.")  # fmt: skip
+ALONE = ("Your code probably looks at other facts first. Without a publisher, "
+         "only found_in distinguishes the two causes.")  # fmt: skip
+TYPES = "Your code probably doesn't compare the types of both sides: each.type == subscription.type."
 CASES = [
     Case("a compatible publisher and subscription", graph(TANK)),
     Case("no publisher anywhere", graph(), ALONE, crashes=True),
     Case("a publisher in domain 5", graph(found_in=(5,)), ALONE, crashes=True),
     Case("publishers here and in domain 5", graph(TANK, found_in=(5,)),
-         "You probably look at other domains although there is a publisher here. Otherwise, ignore found_in."),
+         "Your code probably looks at other domains although there is a publisher here. "
+         "In that case, ignore found_in."),
     Case("a publisher of Imu messages", graph(STRANGER), TYPES),
     Case("a publisher of String messages", graph(SPEAKER), TYPES),
     Case("a publisher of Imu messages, a best-effort subscription", graph(STRANGER, to=(EASY,)), TYPES),
@@ -195,11 +202,11 @@ CASES = [
     Case("a transient local best-effort publisher, a subscription that asks for both", graph(LOSER, to=(LATE,)), ORDER),
     Case("a volatile best-effort publisher, a subscription that asks for both", graph(SENSOR, to=(LATE,)), ORDER),
     Case("both best effort and transient local", graph(LOSER, to=(EASY_LATE,)),
-         "You probably require a reliable publisher even for a best-effort subscription, which accepts any."),
+         "Your code probably requires a reliable publisher even for a best-effort subscription, which accepts any."),
     Case("two publishers, the second one is compatible", graph(SENSOR, TANK)),
     Case("two publishers, the first one is compatible", graph(KEEPER, TANK, to=(LATE,))),
     Case("two publishers: one is reliable, the other one keeps messages", graph(TANK, LOSER, to=(LATE,)),
-         "You probably accept a reliable publisher and a durable one. A single publisher has to be both."),
+         "Your code probably accepts a reliable publisher and a durable one. A single publisher has to be both."),
     Case("two publishers, the first one of a different type", graph(STRANGER, TANK)),
     Case("two publishers, the second one of a different type", graph(TANK, STRANGER)),
     Case("two publishers, only the one of a different type is reliable", graph(SENSOR, STRANGER), OTHER_TYPE),
@@ -210,7 +217,8 @@ CASES = [
     Case("two subscriptions, one of a different type", graph(TANK, to=(VIEWER, SHAKER)), EACH),
     Case("two subscriptions, only one of them accepts best effort", graph(SENSOR, to=(EASY, VIEWER)), EACH),
     Case("no subscription", graph(TANK, to=()),
-         "You probably expect a subscription. Without a subscription, continue with the messages.", crashes=True),
+         "Your code probably expects a subscription. Without a subscription, continue with the messages.",
+         crashes=True),
     Case("no message arrives", graph(TANK, received=0)),
     Case("no message arrives, and the types differ", graph(STRANGER, received=0), ORDER),
     Case("no message arrives, and reliability differs", graph(SENSOR, received=0), ORDER),
@@ -222,12 +230,12 @@ CASES = [
          graph(TANK, received=0, clock_users=("/viewer",))),
     Case("no message arrives, and one of three publishers follows /clock",
          graph(TANK, KEEPER, SENSOR, received=0, clock_users=("/keeper",)),
-         "You probably require every publisher to follow /clock, or check only one. A single one is enough."),
+         "Your code probably requires every publisher to follow /clock, or checks only one. A single one is enough."),
     Case("no message arrives, and only nodes with similar names follow /clock",
          graph(TANK, received=0, clock_users=("/tank2", "/tan")),
-         "You probably match only part of the name. Compare whole names: each.node in facts.clock_users."),
+         "Your code probably matches only part of the name. Compare whole names: each.node in facts.clock_users."),
     Case("messages arrive without a clock", graph(TANK, clock_users=("/tank",)),
-         "You probably blame the clock although messages arrive. Also test received."),
+         "Your code probably blames the clock although messages arrive. Also test received."),
     Case("no message moves a joint", graph(TANK, unmoved=20)),
     Case("12 of 20 messages move no joint", graph(TANK, unmoved=12)),
     Case("10 of 20 messages move no joint", graph(TANK, unmoved=10),

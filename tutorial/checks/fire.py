@@ -70,26 +70,28 @@ MISTAKES = [
             "Call super().configure(config) in it, or remove it.",
             replace("def on_joy(self,", "def configure(self, config): self.node = config.node\ndef on_joy(self,",
                     "def configure(self, config): pass\ndef unconfigure(self): pass\ndef on_joy(self,")),
-    Mistake("you never put True into self.fire. on_joy has to put "
+    Mistake("on_joy never puts True into self.fire. It has to put "
             "message.buttons[0] == 1; a list never equals 1, and 1 is not True.",
             replace("== 1", "is True")),
-    Mistake("you don't put False after the release, or you ignore messages in quick succession. Put every state.",
+    Mistake("your code doesn't put False after the release, or ignores messages in quick succession. Put every state.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
-    Mistake("you toggle the value each time the button goes down, "
+    Mistake("your code toggles the value each time the button goes down, "
             "like a switch. Put True while the button is pressed.",
             both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
-    Mistake("you wait for a second message with the same state (debouncing). Put each message's state immediately.",
+    Mistake("your code waits for a second message with the same state (debouncing). "
+            "Put each message's state immediately.",
             both(replace("self.fire = Latest(False)", "self.was, self.fire = None, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "pressed == self.was and self.fire.put(pressed)\nself.was = pressed"))),
-    Mistake("you read the previous message, which self.joy still holds. Read the message that on_joy gets.",
+    Mistake("your code reads the previous message, which self.joy still holds. Read the message that on_joy gets.",
             both(replace("pressed = ", "buttons = self.joy.get().buttons\nself.joy.put(message)\npressed = "),
                  replace("len(message.buttons) > 0 and message.buttons[0]", "len(buttons) > 0 and buttons[0]"))),
 ]  # fmt: skip
 MEANING = "Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1."
-NO_LATEST = "You probably assign self.fire. Use the Latest that __init__ made: self.fire.put(...) replaces its value."
+NO_LATEST = ("Your code probably assigns to self.fire. Use the Latest "
+             "that __init__ made: self.fire.put(...) replaces its value.")  # fmt: skip
 NO_TRUTH = "Put True or False. bool(...) converts any value to one of them."
 NO_CLOCK = (
     "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put each message's "
@@ -135,27 +137,28 @@ def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
         return look(rig)
 
 
-BUTTON_0_IS_PRESSED = ("You probably read a different button, or swap True "
+BUTTON_0_IS_PRESSED = ("Your code probably reads a different button, or swaps True "
                        "and False. The first button is message.buttons[0].")  # fmt: skip
-BUTTON_1_IS_PRESSED = "You probably read a different button, or all of them. Read only the first: message.buttons[0]."
+BUTTON_1_IS_PRESSED = ("Your code probably reads a different button, or "
+                       "all of them. Read only the first: message.buttons[0].")  # fmt: skip
 CASES = [
     Case("the topic", lambda trial: Rig(trial).node.on(Joy, "joy"),
-         "You probably wrote a configure that doesn't subscribe to "
+         "Your configure probably doesn't subscribe to "
          '"joy". Call super().configure(config) in it, or remove it.'),
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is still held in a second message", after((1, 0), (1, 0)),
-         "You probably put True only when the button goes down. Put True while it is pressed."),
-    Case("button 0 is released", after((1, 0), (0, 0)), "True stays: you probably don't put False after the "
-         "release, or you ignore messages in quick succession."),
+         "Your code probably puts True only when the button goes down. Put True while it is pressed."),
+    Case("button 0 is released", after((1, 0), (0, 0)), "True stays: your code probably doesn't put False after the "
+         "release, or ignores messages in quick succession."),
     Case("button 0 is pressed, after a message where it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),
     Case("a message without buttons, after one with button 0 pressed", after((1, 1), ()),
-         "You probably read message.buttons[0] without checking "
-         "that it exists, or put nothing. Put False if there is no button.", crashes=True),
+         "Your code probably reads message.buttons[0] without checking "
+         "that it exists, or puts nothing. Put False if there is no button.", crashes=True),
     Case("a message with only one button, pressed", after((1,)),
-         "You probably require more than one button. One is enough: len(message.buttons) > 0.", crashes=True),
+         "Your code probably requires more than one button. One is enough: len(message.buttons) > 0.", crashes=True),
     Case("two tanks, and button 0 of the first one's joystick is pressed", two),
     Case("a message as soon as the subscription exists", early(Rig, Joy(buttons=[1]))),
     Case("after unconfigure", lambda trial: Rig(trial).leave()),

@@ -55,39 +55,40 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = [
-    Mistake("you sort the messages, which hides a restart: keep the bag's order.",
+    Mistake("your code sorts the messages, which hides a restart: keep the bag's order.",
             replace("in messages:", "in sorted(messages, key=lambda pair: stamps_of([pair])):")),
-    Mistake("you compare each stamp with the one before it, which "
+    Mistake("your code compares each stamp with the one before it, which "
             "may have been late: compare it with the newest so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
-    Mistake("you report every jump backwards as a restart: up to 1 s before the newest stamp, a message is only late.",
+    Mistake("your code reports every jump backwards as a restart: "
+            "up to 1 s before the newest stamp, a message is only late.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
-    Mistake("you compute seconds as floats, which are rounded: use whole nanoseconds everywhere.",
+    Mistake("your code computes seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",
                          "Time.from_msg(message.header.stamp).nanoseconds / 1e9"),
                  replace("stamp - newest > 100_000_000", "stamp - newest > 0.1"),
                  replace("newest - stamp > 1_000_000_000", "newest - stamp > 1.0"))
             + both(replace("stamp - newest > 100_000_000", "stamp / 1e9 - newest / 1e9 > 0.1"),
                    replace("newest - stamp > 1_000_000_000", "newest / 1e9 - stamp / 1e9 > 1.0"))),
-    Mistake("you subtract unsigned integers, which wrap around below 0: convert them with int(...) first.",
+    Mistake("your code subtracts unsigned integers, which wrap around below 0: convert them with int(...) first.",
             both(replace("stamp - newest >", "(stamp - newest) % 2**64 >"),
                  replace("newest - stamp >", "(newest - stamp) % 2**64 >"))),
-    Mistake("you return gaps and restarts separately: keep the bag's order.",
+    Mistake("your code returns gaps and restarts separately: keep the bag's order.",
             replace("return found", "return sorted(found, key=lambda each: each[0])",
                     "return sorted(found, key=lambda each: each[0], reverse=True)")),
-    Mistake("you skip a gap or restart that is identical to an earlier one: report it again.",
+    Mistake("your code skips a gap or restart that is identical to an earlier one: report it again.",
             replace("return found", "return [*dict.fromkeys(found)]")
             + replace('found.append(("restart"', '("restart", newest, stamp) in found or found.append(("restart"')),
-    Mistake("after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.",
+    Mistake("after a restart, your code sets newest to 0 or leaves it unchanged: set it to the new message's stamp.",
             replace('"restart", newest, stamp))', '"restart", newest, stamp))\nstamp = 0',
                     '"restart", newest, stamp))\ncontinue')),
-    Mistake("you always return an empty list: compare each stamp "
+    Mistake("your code always returns an empty list: compare each stamp "
             "with the newest so far, and don't hide errors with `try`.",
             replace("return found", "return []")),
-    Mistake("you use only sec or only nanosec, which restarts at 0 every second: a stamp consists of both.",
+    Mistake("your code uses only sec or only nanosec, which restarts at 0 every second: a stamp consists of both.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
-    Mistake("you compare the bag's own times. These are times of receipt: compare the stamps.",
+    Mistake("your code compares the bag's own times. These are times of receipt: compare the stamps.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "_")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "
@@ -154,22 +155,22 @@ def whole(number: Any) -> str | float:
     return f"{int(number):_}" if is_exact else float(number)
 
 
-A_GAP = ("You probably use a different limit, or append something else. If a stamp is more than 100_000_000 "
+A_GAP = ("Your code probably uses a different limit, or appends something else. If a stamp is more than 100_000_000 "
          'ns ahead, append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
 RECEIPT = f"Most likely {MISTAKES[-1].cause}"
-BOTH_PARTS = ("You probably use only sec or only nanosec, which restarts "
+BOTH_PARTS = ("Your code probably uses only sec or only nanosec, which restarts "
               "at 0 every second: a stamp consists of both.")  # fmt: skip
-FRACTION = "You probably compute seconds as floats, which are rounded: use whole nanoseconds."
-RESTART_FROM_0 = ("You probably use a different limit for a restart: its stamp is more "
+FRACTION = "Your code probably computes seconds as floats, which are rounded: use whole nanoseconds."
+RESTART_FROM_0 = ("Your code probably uses a different limit for restarts: a restart's stamp is more "
                   "than 1_000_000_000 ns before the newest one.")  # fmt: skip
-NEWEST = ("You probably compare each stamp with the one before it, or report "
-          "any jump backwards as a restart: compare it with the newest so far.")  # fmt: skip
-EXACTLY = ("You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 "
+NEWEST = ("Your code probably compares each stamp with the one before it, or reports "
+          "any jump backwards as a restart: compare each stamp with the newest so far.")  # fmt: skip
+EXACTLY = ("Your code probably compares with >=, or compares floats, which are rounded. Exactly 0.1 "
            "s ahead, or exactly 1 s back, is not an event: compare whole nanoseconds with >.")  # fmt: skip
 CASES = [
     Case("20 ms apart", bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
-         "This bag has no events. You probably give the newest stamp a value before the first "
-         "message, or use limits in a different unit: start with None; 0.1 s is 100_000_000 ns."),
+         "This bag has no events. Your code probably gives the newest stamp a value before the first "
+         "message, or uses limits in a different unit: start with None; 0.1 s is 100_000_000 ns."),
     Case("the bag's times are 3 s apart, the stamps 20 ms", bag(1.0, 1.02, 1.04, every=3.0), RECEIPT),
     Case("0.09 s without a message", bag(1.0, 1.02, 1.11, 1.13), A_GAP),
     Case("0.3 s without a message", bag(1.0, 1.02, 1.32, 1.34), A_GAP),
@@ -189,7 +190,7 @@ CASES = [
     Case("1 s and 1 ns back", bag(2.0, 0.999999999), RESTART_FROM_0),
     Case("1.8 s back", bag(3.9, 2.1, 2.12), RESTART_FROM_0),
     Case("a gap after 0 s", bag(0.0, 0.5, 0.52),
-         "You probably treat the stamp 0 as missing: test whether newest `is None`."),
+         "Your code probably treats the stamp 0 as missing: test whether newest `is None`."),
     Case("a restart, then a gap", bag(3.98, 0.0, 0.02, 0.42, 0.44)),
     Case("two restarts", bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52)),
     Case("a restart from 50 s", bag(100.0, 100.02, 50.0, 50.02)),
@@ -199,8 +200,8 @@ CASES = [
     Case("a robot's stamps, exactly 0.1 s apart", bag(0.826, 0.926, 0.946, since=SINCE_1970), FRACTION),
     Case("a robot's stamps, 0.1 s and 1 ns apart", bag(0.028000037, 0.128000038, since=SINCE_1970), FRACTION),
     Case("two bags, one after the other", two,
-         "You probably reuse the same list in every call: make a new one in each call."),
-    Case("no message", bag(), "You probably expect at least one message: return an empty list for an empty bag.",
+         "Your code probably reuses the same list in every call: make a new one in each call."),
+    Case("no message", bag(), "Your code probably expects at least one message: return an empty list for an empty bag.",
          crashes=True),
     Case("a single message", bag(1.0)),
 ]  # fmt: skip

@@ -92,22 +92,23 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("you assign a two-dimensional array to message.data. "
+    Mistake("your code assigns a two-dimensional array to message.data. "
             "It needs a flat array of bytes: array('B', ....tobytes()).",
             replace('array("B", pixels.mean(axis=2).astype(np.uint8).tobytes())',
                     "pixels.mean(axis=2).astype(np.uint8)")),
-    Mistake("you use one colour, the sum or a different mean, or compute in "
-            "bytes, which overflow and truncate: use pixels.mean(axis=2).",
+    Mistake("your code uses one colour, the sum or a different mean, or computes "
+            "in bytes, which overflow and truncate: use pixels.mean(axis=2).",
             replace("pixels.mean(axis=2)", "pixels[:, :, 0]", "pixels[:, :, 1]", "pixels[:, :, 2]",
                     "pixels.sum(axis=2)", "(pixels.sum(axis=2, dtype=np.uint8) / 3)", "(pixels//3).sum(axis=2)",
                     "pixels.max(axis=2)", "pixels.min(axis=2)", "(pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)")),
-    Mistake("you weight the colours, as the eye does. This exercise asks for the plain mean, pixels.mean(axis=2).",
+    Mistake("your code weights the colours, as the eye does. This exercise "
+            "asks for the plain mean, pixels.mean(axis=2).",
             replace("pixels.mean(axis=2)", "(pixels @ [0.299, 0.587, 0.114])",
                     "np.rint(pixels @ [0.299, 0.587, 0.114])")),
-    Mistake("you divide by 255. In mono8, white is 255, as in the pixels.",
+    Mistake("your code divides by 255. In mono8, white is 255, as in the pixels.",
             replace("pixels.mean(axis=2)", "(pixels.mean(axis=2) / 255)")),
-    Mistake("you turn the picture upside down, mirror it, or swap rows and "
-            "columns: send the top row first, each row from left to right.",
+    Mistake("your code turns the picture upside down, mirrors it, or swaps rows "
+            "and columns: send the top row first, each row from left to right.",
             replace("pixels.mean(axis=2)", "pixels[::-1].mean(axis=2)", "pixels[:, ::-1].mean(axis=2)",
                     "pixels[::-1, ::-1].mean(axis=2)", "pixels.mean(axis=2).T")),
 ]  # fmt: skip
@@ -240,25 +241,27 @@ def frame(frame_id: str) -> str:
 CASES = [
     Case("the content", PUBLISHING.sent(0.7)),
     Case("the size", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
-         "You probably swap, omit or hard-code width and height: message.height, message.width, _ = pixels.shape."),
+         "Your code probably swaps, omits or hard-codes width and height: "
+         "message.height, message.width, _ = pixels.shape."),
     Case("the encoding", PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
-         "You probably omit the encoding, or set a different one: one "
-         'byte per pixel is called "mono8", in lower case.'),
+         "Your code probably omits the encoding, or sets a different one: "
+         'one byte per pixel is called "mono8", in lower case.'),
     Case("the row", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
-         "You probably omit step, or count three bytes per pixel: a row has message.step = message.width bytes."),
+         "Your code probably omits step, or counts three bytes per pixel: "
+         "a row has message.step = message.width bytes."),
     Case("the frame", PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
-         "You probably hard-code or omit the body's name, or use a "
-         'different frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
-    Case("the stamp", stamps, "You probably lose the time of the request, or a part of it. Pass it to "
-         "self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec."),
+         "Your code probably hard-codes or omits the body's name, or uses "
+         'a different frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
+    Case("the stamp", stamps, "Your code probably loses the time of the request, or a part of it. "
+         "Pass it to self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec."),
     Case("late and missing pictures", lambda trial: stamps(trial, delay=40, missed=2),
-         "You probably skip some requests, or don't stamp each picture with the time of "
-         "its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
+         "Your code probably skips some requests, or doesn't stamp each picture with the time "
+         "of its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
     Case("nothing moves, so all pictures are identical", still,
-         "You probably skip a picture that is identical to an earlier one. "
+         "Your code probably skips a picture that is identical to an earlier one. "
          "Publish all of them: a repeated message is still a message."),
-    Case("after stop", left_open, "You probably don't close the camera in stop, or you look up several cameras: "
-         "look it up once, in initialize, and call self.camera.close() in stop."),
+    Case("after stop", left_open, "Your code probably doesn't close the camera in stop, or looks up several "
+         "cameras: look it up once, in initialize, and call self.camera.close() in stop."),
 ]  # fmt: skip
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
 gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, CASES, MISTAKES, MEANING), PARTS)

@@ -197,41 +197,42 @@ def in_a_crowd(hall: Hall) -> str:
 
 THEN = Hall.where, Hall.falls, Hall.where  # observed after a message
 hopped = partial(steps, viewer=Hall)
-STAYS = ("You probably put the body back in unconfigure even if it is "
+STAYS = ("Your unconfigure probably puts the body back even if it is "
          "down. First test whether it is up: self.timer is not None.")  # fmt: skip
 CASES = [
     Case("accelerations x y z [m/s²]", hopped(mistaken),
-         "You probably test a different condition. With a = message.linear_acceleration, the condition is "
+         "Your code probably tests a different condition. With a = message.linear_acceleration, the condition is "
          "hypot(a.x, a.y) > 20. Ignore z, because it includes gravity."),
     Case("after a blow", hopped(blow, Hall.where),
-         "You probably put the body somewhere else, or change a copy of its position. Store "
+         "Your code probably puts the body somewhere else, or changes a copy of its position. Store "
          "self.body.position when the blow arrives, then set self.body.position to the stored x, y and z + 0.1."),
     Case("the hop ends", hopped(blow, Hall.falls),
-         "You probably use a different timer or duration, or the function that it calls does not put "
+         "Your code probably uses a different timer or duration, or the function that the timer calls does not put "
          "the body back. In update, write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "You probably compute or hard-code the place to land. Restore the position that you stored at the blow."),
+         "Your code probably computes or hard-codes the place to land. Restore the position stored at the blow."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after the body has landed and been moved", hopped(blow, land, move_it, other_blow, *THEN),
-         "You probably reuse something from the previous hop. On landing, "
+         "Your code probably reuses the timer or position of the previous hop. On landing, "
          "set self.timer = None, and store the position at each blow."),
     Case("a second blow while the body is up", hopped(blow, wait, other_blow, *THEN),
-         "You probably ignore the blow, lift the body again, store its position while it is up, or keep the first "
-         "timer. Cancel the first timer and start a new one of 0.5 s; don't change the stored position or the height."),
+         "Your code probably ignores the blow, lifts the body again, stores its position while it is up, or keeps the "
+         "first timer. Cancel it and start a new one of 0.5 s; don't change the stored position or the height."),
     Case("the same blow again", hopped(blow, land, blow, Hall.where),
-         "You probably skip a message that is identical to the previous one. A second blow can be identical to the "
-         "first: post every message."),
+         "Your code probably skips a message that is identical to the previous one. A second blow can be identical to "
+         "the first: post every message."),
     Case("a harmless message while the body is up", hopped(blow, wait, harmless, *THEN),
-         "You probably react to a harmless message while the body is up. "
+         "Your code probably reacts to a harmless message while the body is up. "
          "First test for a blow: only a blow may change the timer."),
     Case("a blow and four harmless messages while both threads are busy", hopped(in_a_crowd, Hall.where, Hall.falls),
-         "You probably lose messages. Subscribe with a queue depth of 10, "
+         "Your code probably loses messages. Subscribe with a queue depth of 10, "
          "and post each message with call_later."),
     Case("the tank and the crane Lift", hopped(side_by_side(blow, Hall.where, land, Hall.where))),
     Case("after unconfigure while the body is up", hopped(blow, wait, Hall.leaves, Hall.left),
-         "You probably don't end the hop in unconfigure. Cancel the timer, put the body back and call notify_change."),
+         "Your code probably doesn't end the hop in unconfigure. "
+         "Cancel the timer, put the body back and call notify_change."),
     Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
-         "You probably put the body back in unconfigure without calling "
+         "Your unconfigure probably puts the body back without calling "
          "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
     Case("after unconfigure, when the body has landed and been moved", hopped(blow, land, move_it, Hall.leaves), STAYS),

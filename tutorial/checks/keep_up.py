@@ -126,13 +126,14 @@ def in_any_order(viewer: Viewer) -> str:
 
 OWN = [
     Case("50 messages while the main thread is busy", steps(burst(0, waiting), burst(500, waiting)),
-         "You probably post a call for each message with call_later, or under different keys. Post "
-         "with call_latest and one key, such as the body's name: a new call replaces a waiting one."),
+         "Your code probably posts a call for each message with call_later, or under different keys. "
+         "Post with call_latest and one key, such as the body's name: a new call replaces a waiting one."),
     Case("then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
-         "You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest."),
+         "Your code probably draws an older message, or more than one. "
+         "Draw only the newest one: pass it with call_latest."),
     Case("a message that arrives while an earlier one is being drawn", steps(in_any_order),
-         "You probably clear the flag of a waiting call too late, or store a message in several "
-         "parts. Pass the whole message with the call, and leave the rest to call_latest."),
+         "Your code probably clears the flag of a waiting call too late, or stores a message's "
+         "fields one by one. Pass the whole message with the call, and leave the rest to call_latest."),
 ]  # fmt: skip
 
 CASES = [*FIRST, *OWN, *LAST]

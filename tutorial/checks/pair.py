@@ -60,20 +60,21 @@ class Pairs:
 
 
 MISTAKES = [
-    Mistake("you compare the stamps as objects, with `is` or id. "
+    Mistake("your code compares the stamps as objects, with `is` or id. "
             "Each message has its own stamp object: compare sec and nanosec.",
             replace("message.header.stamp.sec, message.header.stamp.nanosec", "id(message.header.stamp)")),
-    Mistake("you compare only sec, or only nanosec: a stamp consists of both.",
+    Mistake("your code compares only sec, or only nanosec: a stamp consists of both.",
             replace("together =", "stamp = stamp[0]\ntogether =", "stamp = stamp[1]\ntogether =")),
-    Mistake("you drop all waiting messages when a pair is complete: "
+    Mistake("your code drops all waiting messages when a pair is complete: "
             "drop only the messages that arrived before the pair's first message.",
             replace("while stamp in self.waiting:", "self.waiting.clear()\nwhile False:")),
-    Mistake("you don't drop messages that arrived before a pair. Drop them, even if their partners still arrive.",
+    Mistake("your code doesn't drop messages that arrived before a pair. "
+            "Drop them, even if their partners still arrive.",
             replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
-    Mistake("you return two messages of one topic as a pair: a pair has one of each topic.",
+    Mistake("your code returns two messages of one topic as a pair: a pair has one of each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
-    Mistake("you drop a message too early. Look for the partner "
+    Mistake("your code drops a message too early. Look for the partner "
             "first, then drop a message if more than 50 are waiting.",
             replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
 ]  # fmt: skip
@@ -148,33 +149,34 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
     return case
 
 
-STILL_WAITING = ("You probably keep only one message per topic, or reject "
+STILL_WAITING = ("Your code probably keeps only one message per topic, or rejects "
                  "smaller stamps: keep all messages that arrived after a pair's first message.")  # fmt: skip
-NANOSECONDS = ("You probably round the stamps, as floats do, or treat nearly equal stamps as equal: compare them "
-               "exactly.")  # fmt: skip
-PAST = ("You probably drop too few or too many messages: when a pair is complete, "
+NANOSECONDS = ("Your code probably rounds the stamps, as floats do, or treats nearly equal stamps as equal: "
+               "compare them exactly.")  # fmt: skip
+PAST = ("Your code probably drops too few or too many messages: when a pair is complete, "
         "drop the messages on both topics that arrived before its first message.")  # fmt: skip
-NEW_START = "You probably test which stamp is larger. After a restart, stamps start at 0: use the order of arrival."
-FIFTY = ("You probably keep fewer or more than 50 waiting messages, or drop the wrong message: drop the message that "
-         "arrived first.")  # fmt: skip
+NEW_START = ("Your code probably tests which stamp is larger. "
+             "After a restart, stamps start at 0: use the order of arrival.")  # fmt: skip
+FIFTY = ("Your code probably keeps fewer or more than 50 waiting messages, or drops the wrong message: "
+         "drop the message that arrived first.")  # fmt: skip
 CASES = [
     Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),
-         "You probably store messages on the class, or in an argument's default value: store them on self."),
+         "Your code probably stores messages on the class, or in an argument's default value: store them on self."),
     Case("in turn", tried(*in_turn(20, 40, 60))),
     Case("the pose first", tried(*poses(20), *joints(20), *poses(40), *joints(40)),
-         "You probably expect the joint states first: either message can "
-         "arrive first. Always return joints, pose, in this order."),
+         "Your code probably expects the joint states first: either message "
+         "can arrive first. Always return joints, pose, in this order."),
     Case("three joint states, then their poses", tried(*joints(20, 40, 60), *poses(20, 40, 60)), STILL_WAITING),
     Case("three poses, then their joint states", tried(*poses(20, 40, 60), *joints(20, 40, 60)), STILL_WAITING),
     Case("a pose is missing", tried(*in_turn(20), *joints(40), *in_turn(60))),
     Case("joints are missing", tried(*in_turn(20), *poses(40, 60), *joints(60))),
     Case("equal nanosec, different sec", tried(*joints(1020), *poses(2020), *joints(2020)),
-         "You probably compare only nanosec: a stamp consists of sec and nanosec."),
+         "Your code probably compares only nanosec: a stamp consists of sec and nanosec."),
     Case("a nanosecond apart", tried((JOINTS, 20 * MS), (POSE, 20 * MS + 1), (JOINTS, 20 * MS + 1)), NANOSECONDS),
     Case("a nanosecond apart, on today's date", tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
          NANOSECONDS),
     Case("the same digits", tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
-         "You probably join sec and nanosec as text, without leading zeros: compare the two numbers."),
+         "Your code probably joins sec and nanosec as text, without leading zeros: compare the two numbers."),
     Case("a partner that is too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
          PAST),
     Case("poses that are too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),

@@ -78,7 +78,7 @@ class SlowPublisher(SimpleController):
 MISTAKES = [
     Mistake(ALL_JOINTS, replace("io.body.joints", '[io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")]',
                                 "io.body.joints[:2]")),
-    Mistake("you change the order of the joints. Keep the order of io.body.joints.",
+    Mistake("your code changes the order of the joints. Keep the order of io.body.joints.",
             replace("io.body.joints", "sorted(io.body.joints, key=lambda joint: joint.name)", "io.body.joints[::-1]")),
 ]  # fmt: skip
 MEANING = f"Most likely {ALL_JOINTS}"
@@ -124,19 +124,19 @@ def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
 
 PUBLISHING = Publishing(JointState, "turret", 25, moving, joints)
 CASES = [
-    Case("the names", PUBLISHING.sent(0.2, names), "You probably omit joints, repeat some, or rename them. "
+    Case("the names", PUBLISHING.sent(0.2, names), "Your code probably omits, repeats or renames joints. "
          "Each message has [joint.name for joint in self.joints]."),
     Case("position", PUBLISHING.sent(0.2, partial(numbers, field="position")),
-         "You probably omit position, round or convert it, mix up the joints, or send old "
-         "values. Read all values for each message: [joint.position for joint in self.joints]."),
+         "Your code probably omits position, rounds or converts it, mixes up the joints, or sends "
+         "old values. Read all values for each message: [joint.position for joint in self.joints]."),
     Case("velocity", PUBLISHING.sent(0.2, partial(numbers, field="velocity")),
-         "You probably omit velocity, compute it yourself, mix up the joints, or send old "
+         "Your code probably omits velocity, computes it itself, mixes up the joints, or sends old "
          "values. Read all values for each message: [joint.velocity for joint in self.joints]."),
     Case("effort", PUBLISHING.sent(0.2, partial(numbers, field="effort")),
-         "You probably omit effort, mix up the joints, or send old values. "
+         "Your code probably omits effort, mixes up the joints, or sends old values. "
          "Read all values for each message: [joint.effort for joint in self.joints]."),
-    Case("while nothing moves", at_rest, "You probably publish only changes. Publish every "
-         "message, even if it repeats the previous one."),
+    Case("while nothing moves", at_rest, "Your code probably publishes only changes. Publish "
+         "every message, even if it repeats the previous one."),
     Case("on the crane Lift", PUBLISHING.sent(0.2, model="crane", name="Lift")),
 ]  # fmt: skip
 publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, CASES, MISTAKES, MEANING))

@@ -81,9 +81,9 @@ MISTAKES = [
             replace("LOCAL)", "LOCAL, lifespan=Duration(seconds=1))")),
     Mistake("your publisher offers only what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
             replace('"/wall/joint_state", kept', '"/wall/joint_state", qos_profile_sensor_data')),
-    Mistake("you subscribe to the screen's topic, and publish on the robot's: swap the two.",
+    Mistake("your code subscribes to the screen's topic, and publishes on the robot's: swap the two.",
             both(replace('"/wall/joint_state"', "ROBOT"), replace('"/robot/joint_state"', "WALL"))),
-    Mistake("you publish the previous message, so the first one is missing. Publish the message of this call.",
+    Mistake("your code publishes the previous message, so the first one is missing. Publish the message of this call.",
             replace("self.publisher.publish(message)", "if hasattr(self, 'previous'):\n"
                     "    self.publisher.publish(self.previous)\nself.previous = message")),
 ]  # fmt: skip
@@ -251,22 +251,25 @@ def on_ros(trial: Trial) -> str:
 
 CASES = [
     Case("from the robot to the relay", from_robot,
-         "You probably subscribe to a different topic or type, outside of __init__, or more than once."),
+         "Your code probably subscribes to a different topic or type, outside of __init__, or more than once."),
     Case("from the relay to the screen", to_screen,
-         "You probably publish on a different topic or type, or create the publisher only in the callback."),
+         "Your code probably publishes on a different topic or type, or creates the publisher only in the callback."),
     Case("a message", shown(0.5),
-         "You probably publish a new or changed message, or publish it twice. Publish the received message once."),
+         "Your code probably publishes a new or changed message, or publishes it twice. "
+         "Publish the received message once."),
     Case("a message while no screen is there", shown(0.3, screens=0),
-         "You probably publish only while a screen is connected. Publish every message: a late screen also gets it."),
+         "Your code probably publishes only while a screen is connected. "
+         "Publish every message: a late screen also gets it."),
     Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
-         "You probably drop messages or change their order. Publish each message in the callback."),
+         "Your code probably drops messages or changes their order. Publish each message in the callback."),
     Case("the same message three times", shown(0.5, 0.5, 0.5),
-         "You probably skip a message that repeats the previous one. Publish each one."),
-    Case("messages of 0", shown(0.0, 0.0), "You probably treat 0 as missing. Publish each message."),
+         "Your code probably skips a message that repeats the previous one. Publish each one."),
+    Case("messages of 0", shown(0.0, 0.0), "Your code probably treats 0 as missing. Publish each message."),
     Case("a message that arrives as soon as the relay subscribes", at_once,
-         "You probably subscribe before the publisher exists. Create the subscription last."),
+         "Your code probably subscribes before the publisher exists. Create the subscription last."),
     Case("two relays", shown(0.5, relays=2),
-         "You probably store something as a class attribute, which all relays share. Set it on self, in __init__."),
+         "Your code probably stores something as a class attribute, which all relays share. "
+         "Set it on self, in __init__."),
 ]  # fmt: skip
 IMPORTS = ("from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data",)
 reach = Exercise("reach", __doc__, Cases(Relay, CASES, MISTAKES, MEANING, on_ros=on_ros), imports=IMPORTS)

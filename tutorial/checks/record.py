@@ -64,12 +64,14 @@ class MyRecorder(QueueRecorder):
 
 
 MISTAKES = [
-    Mistake("you close the bag while the thread can still write: call self.writer.join() first, without a timeout.",
+    Mistake("your code closes the bag while the thread can still write: "
+            "call self.writer.join() first, without a timeout.",
             replace("self.writer.join()", "pass", "self.bag.close()\nself.writer.join()")),
-    Mistake("you call get twice for one entry, and each call removes an entry: call get once, and write its result.",
+    Mistake("your code calls get twice for one entry, and each call removes an entry: "
+            "call get once, and write its result.",
             both(replace("received := self.received.get()", "self.received.get()"),
                  replace("*received)", "*self.received.get())"))),
-    Mistake("you end the thread when the queue is empty, as with `while "
+    Mistake("your code ends the thread when the queue is empty, as with `while "
             "not empty()` or get(timeout=...): wait for more with get().",
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
@@ -78,15 +80,15 @@ MISTAKES = [
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
-    Mistake("you collect the messages until the end, and lose them if the program "
+    Mistake("your code collects the messages until the end, and loses them if the program "
             "crashes: write each message before you get the next.",
             replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
            "Only the thread removes entries and writes them, and only None ends it.")  # fmt: skip
-NEVER = "You probably put None after join, or not at all: put it before join, so that the thread ends."
-PAST_NONE = "You probably continue after None: exit the loop after None."
-STOLEN = "You probably remove None from the queue outside of the thread: call get only in write, on the thread."
+NEVER = "Your code probably puts None after join, or not at all: put it before join, so that the thread ends."
+PAST_NONE = "Your code probably continues after None: exit the loop after None."
+STOLEN = "Your code probably removes None from the queue outside of the thread: call get only in write, on the thread."
 BUSY = "A busy loop wastes CPU time: self.received.get() waits for an entry, and self.writer.join() for the thread."
 THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
 NO_SUPER = "Call it: it creates the queue, the bag, the thread and the subscription."
@@ -272,14 +274,14 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 CASES = [
     Case("messages arrive one by one", tried(coming=[A, B, None]),
-         "You probably continue after None, or change an entry: get an entry, exit the loop if it is None, and "
+         "Your code probably continues after None, or changes an entry: get an entry, exit the loop if it is None, and "
          "otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
     Case("three messages are waiting in the queue", tried(A, B, C)),
     Case("identical messages are waiting in the queue", tried(A, B, B, (9, b"A")),
-         "You probably skip a message that is identical to an earlier one. "
+         "Your code probably skips a message that is identical to an earlier one. "
          "Write every entry: a repeated message is still a message."),
     Case("a message arrives just as the recorder stops listening", tried(A, coming=[B]),
-         "You probably stop listening too late, after put(None). Messages that arrive "
+         "Your code probably stops listening too late, after put(None). Messages that arrive "
          "after None are never written: first destroy the subscription, then put None."),
 ]  # fmt: skip
 record = Exercise("record", __doc__, Cases(MyRecorder, CASES, MISTAKES, MEANING), ("write", "unconfigure"))

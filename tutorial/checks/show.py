@@ -122,38 +122,38 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST = [
     Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-         "You probably don't set any positions, or you change them before you set them. "
+         "Your code probably doesn't set any positions, or changes them before it sets them. "
          "Call self.body.set_joint_positions(positions), in rad."),
     Case("its joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
-         "You probably match positions by their index in the message. "
+         "Your code probably matches positions by their index in the message. "
          "Match them by name, as match_joints does."),
     Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
     Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
-         "You probably expect every joint in every message, or skip positions of 0 or below. Set the joints that the "
-         "message names, and don't move the other joints.", crashes=True),
+         "Your code probably expects every joint in every message, or skips positions of 0 or below. Set the joints "
+         "that the message names, and don't move the other joints.", crashes=True),
     Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
-         "You probably use a name that the body does not have. Skip it, and show the other joints, as match_joints "
-         "does.", crashes=True),
+         "Your code probably uses a name that the body does not have. Skip it, and show the other joints, "
+         "as match_joints does.", crashes=True),
     Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where),
-         "You probably set NaN as a position. Leave that joint where it is, as match_joints does."),
+         "Your code probably sets NaN as a position. Leave that joint where it is, as match_joints does."),
     Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where),
-         "You probably use an index beyond the end: there can be fewer "
-         "positions than names. match_joints handles that.", crashes=True),
+         "Your code probably uses an index beyond the end: there can be "
+         "fewer positions than names. match_joints handles that.", crashes=True),
     Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
-         "You probably drop a message because of its stamp. After the publisher "
+         "Your code probably drops a message because of its stamp. After the publisher "
          "restarts, its stamps are smaller than before, and two messages can have the same stamp."),
-    Case("the same message again", steps(repeated), "You probably skip a message that repeats the positions of "
-         "the previous one. Show every message, and notify after each one."),
+    Case("the same message again", steps(repeated), "Your code probably skips a message that repeats the "
+         "positions of the previous one. Show every message, and notify after each one."),
     Case("a message that arrives while the body is being drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
-         "You probably hold a lock while you draw, so the callback waits. "
+         "Your code probably holds a lock while it draws, so the callback waits. "
          "Hold the lock only while you get the message."),
     Case("a call waiting when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
          PAST_THE_QUEUE),
 ]  # fmt: skip
 LAST = [
     Case("two viewers at once, one of the crane", steps(side_by_side(its_own, Viewer.drain, Viewer.where)),
-         "You probably hard-code the body's name or its joints. Take them from config.body.", crashes=True),
+         "Your code probably hard-codes the body's name or its joints. Take them from config.body.", crashes=True),
     Case("after unconfigure", steps(Viewer.leaves, Viewer.left)),
 ]  # fmt: skip
 SWAPPED = joint_state("P Y", (0.2, 0.1))
@@ -161,7 +161,7 @@ ARRIVALS = [hands_over(*MESSAGES)]
 CASES = [
     *FIRST,
     Case("five messages whose calls are waiting at the same time", steps(wait_together),
-         "You probably lose messages, or change their order. Post one call for each message: "
+         "Your code probably loses messages, or changes their order. Post one call for each message: "
          "self.call_later(self.update, message)."),
     *LAST,
 ]  # fmt: skip

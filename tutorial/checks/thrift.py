@@ -75,36 +75,39 @@ MISTAKES = [
             "start with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
-    Mistake("you send all joints in every message. Name only the joints that have moved, and store the sent positions.",
+    Mistake("your code sends all joints in every message. "
+            "Name only the joints that have moved, and store the sent positions.",
             replace("if n not in self.sent or abs(q - self.sent[n]) > 0.001}", "}")),
-    Mistake("you treat a last position of 0 as missing, as in `if not last`. Check whether the name is in self.sent.",
+    Mistake("your code treats a last position of 0 as missing, as in `if not last`. "
+            "Check whether the name is in self.sent.",
             replace("n not in self.sent or", "not self.sent.get(n) or")),
-    Mistake("you send all joints as soon as one has moved. Name only the joints that have moved.",
+    Mistake("your code sends all joints as soon as one has moved. Name only the joints that have moved.",
             replace("message =", "news = positions\nmessage =")),
-    Mistake("you name only one of the joints that have moved, perhaps because of a break. Name all of them.",
+    Mistake("your code names only one of the joints that have moved, perhaps because of a break. Name all of them.",
             replace("if news:", "news = dict([*news.items()][:1])\nif news:",
                     "news = dict([*news.items()][-1:])\nif news:",
                     "news = dict([*news.items()][: 1 if self.sent else None])\nif news:")),
-    Mistake("you send a message even if no joint has moved. Send nothing then.", replace("if news:", "if True:")),
-    Mistake("you compare with the positions of 1/50 s ago, or of the last "
+    Mistake("your code sends a message even if no joint has moved. Send nothing then.",
+            replace("if news:", "if True:")),
+    Mistake("your code compares with the positions of 1/50 s ago, or of the last "
             "message. Compare with the position last sent for each joint.",
             replace("if news:", "self.sent = positions\nif news:",
                     "self.sent = positions if news else self.sent\nif news:")),
-    Mistake("you test how fast a joint moves. Test how far it is "
+    Mistake("your code tests how fast a joint moves. Test how far it is "
             "from the position last sent: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "abs(self.io.body.joint(n).velocity) > 0.001",
                     "abs(self.io.body.joint(n).velocity) > 0.05")),
-    Mistake("you compare a position with itself: you update self.sent too early, or store the joint instead of its "
-            "position. Compare first.",
+    Mistake("your code compares a position with itself: it updates self.sent too early, or stores the joint instead of "
+            "its position. Compare first.",
             replace("n not in self.sent or abs(q - self.sent[n]) > 0.001", "n not in self.sent")),
-    Mistake("you compare rounded positions. Test their distance: abs(a - b) > 0.001.",
+    Mistake("your code compares rounded positions. Test their distance: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "round(q, 3) != round(self.sent[n], 3)",
                     "int(q * 1000) != int(self.sent[n] * 1000)")),
-    Mistake("you compare without abs, or use abs for each position. "
+    Mistake("your code compares without abs, or uses abs for each position. "
             "A joint moves in both directions: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
                     "abs(abs(q) - abs(self.sent[n]))")),
-    Mistake("you don't store the sent positions, or you lose the other joints with self.sent = ... "
+    Mistake("your code doesn't store the sent positions, or it loses the other joints with self.sent = ... "
             "Write self.sent.update(news).",
             replace("self.sent.update(news)", "self.sent = news | self.sent", "self.sent = news")),
     Mistake("your threshold is too large. Send a joint as soon as it is "
@@ -177,12 +180,12 @@ CASES = [
     Case("LUFF creeps on while SLEW moves", moved(*[(0.0, 0.05, 0.00035)] * 9)),
     Case("BRIDGE moves back", moved((0.02, 0.0, 0.0), (-0.04, 0.0, 0.0), REST, REST)),
     Case("each position", moved((0.1, 0.3004, -0.2004), SLEW, (0.0, 0.0, 0.05), look=positions),
-         "You probably send how far the joint has moved, or a rounded "
+         "Your code probably sends how far the joint has moved, or a rounded "
          "or converted position. Send joint.position, unchanged."),
     Case("the joints of the tank", moved(SLEW, model="tank"), f"Most likely {ALL_JOINTS}"),
     Case("two robots in turn", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
     Case("after a restart", lambda trial: PUBLISHING.restarted(trial, moves=(REST,), model="crane"),
-         "You probably keep self.sent from the previous run, or wait for "
-         "step 0. Create self.sent in initialize, which runs at every start."),
+         "Your code probably keeps self.sent from the previous run, or waits "
+         "for step 0. Create self.sent in initialize, which runs at every start."),
 ]  # fmt: skip
 thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, CASES, MISTAKES, MEANING))

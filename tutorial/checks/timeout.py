@@ -48,31 +48,32 @@ class CommandTimeout:
 
 
 MISTAKES = [
-    Mistake("you set self.since too often, or your limit isn't 0.5 s. Set it only if message is not self.message; "
-            "don't store a copy.",
+    Mistake("your code sets self.since too often, or its limit isn't 0.5 s. Set self.since only if message is not "
+            "self.message; don't store a copy.",
             replace("return seconds - self.since <= 0.5", "return True")),
-    Mistake("you count calls. A step can have any length: compute seconds - self.since.",
+    Mistake("your code counts calls. A step can have any length: compute seconds - self.since.",
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
-    Mistake("you subtract the message's stamp, which can be empty. "
+    Mistake("your code subtracts the message's stamp, which can be empty. "
             "Store the seconds of the first call with the new message.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
-    Mistake("you compare the messages' contents. A stick held still sends "
+    Mistake("your code compares the messages' contents. A stick held still sends "
             "identical messages: compare the objects, with `is not`.",
             replace("message is not self.message", "message != self.message",
                     'message.axes != getattr(self.message, "axes", None)')),
-    Mistake("you store only the time of the first message. Set self.since for every new message.",
+    Mistake("your code stores only the time of the first message. Set self.since for every new message.",
             replace("if message is not self.message:", "if self.message is None:")),
-    Mistake("once a message is too old, you also reject all later ones. Each new message is fresh again.",
+    Mistake("once a message is too old, your code also rejects all later ones. Each new message is fresh again.",
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
-    Mistake("you compute the age in whole seconds. Don't round: seconds - self.since.",
+    Mistake("your code computes the age in whole seconds. Don't round: seconds - self.since.",
             replace("return seconds - self.since", "return int(seconds - self.since)",
                     "return int(seconds) - int(self.since)")),
 ]  # fmt: skip
-MEANING = "You probably compute the age incorrectly. In each call, test whether seconds - self.since <= 0.5, unrounded."
+MEANING = ("Your code probably computes the age incorrectly. "
+           "In each call, test whether seconds - self.since <= 0.5, unrounded.")  # fmt: skip
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
@@ -106,25 +107,25 @@ def fresh(trial: Trial, timeout: Any, message: Joy, seconds: float) -> bool:
 
 NEW = ", ".join(f"N {i / 4}" for i in range(40))
 OFTEN = ", ".join(f"A {i / 4096}" for i in range(1000))
-A_AT_3 = ("You probably miss a new message. Set self.since whenever "
+A_AT_3 = ("Your code probably misses a new message. Set self.since whenever "
           "the message is a different object than in the previous call.")  # fmt: skip
 CASES = [
     Case("one message, at 0, 0.25, 0.5 and 0.75 s", tried("A 0, A 0.25, A 0.5, A 0.75"),
          "Set self.since when the message is new, and only then. The first message is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
-         "You probably don't set self.since in the first call. "
+         "Your code probably doesn't set self.since in the first call. "
          "Store the seconds of the first call with the new message."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a held stick, an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
-         "You probably compare the messages' contents, or look for the message "
-         "among all earlier ones. Compare with the previous message, using `is not`."),
+         "Your code probably compares the messages' contents, or looks for the "
+         "message among all earlier ones. Compare with the previous message, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
     Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
-         "You probably store id(message), and a later message can get "
+         "Your code probably stores id(message), and a later message can get "
          "the same id. Store the message itself, and use `is not`."),
     Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],
-         "You probably count calls. A step can have any length: compute seconds - self.since."),
+         "Your code probably counts calls. A step can have any length: compute seconds - self.since."),
     Case("two robots in turn, message A at 0 s, B at 0.25 s, A and B at 0.75 s",
          tried("A 0, B 0.25, A 0.75, B 0.75", objects=2)),
 ]  # fmt: skip

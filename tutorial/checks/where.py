@@ -50,39 +50,40 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
 
 
 MISTAKES = [
-    Mistake("you use only the last transform or only the first, or you skip one of them. Use all transforms.",
+    Mistake("your code uses only the last transform or only the first, or skips one of them. Use all transforms.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
-    Mistake("you go from the first transform to the last. The point is in the last transform's "
+    Mistake("your code goes from the first transform to the last. The point is in the last transform's "
             "child frame: go from the last transform to the first.",
             replace("reversed(transforms)", "transforms")),
-    Mistake("you add the inner translations without turning them. Each transform turns everything inside it.",
+    Mistake("your code adds the inner translations without turning them. Each transform turns everything inside it.",
             both(replace("for stamped", "place = np.zeros(3)\nfor stamped"),
                  replace("point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])",
                          "point = turned(stamped.transform.rotation, point)\nplace = place + [t.x, t.y, t.z]"),
                  replace("return point", "return place + point"))),
-    Mistake("you multiply the rotations in the wrong order: the outer one is on the left, outer * inner.",
+    Mistake("your code multiplies the rotations in the wrong order: the outer one is on the left, outer * inner.",
             both(replace("reversed(transforms):", "transforms:"),
                  replace("for stamped", "place, rotations = np.zeros(3), []\nfor stamped"),
                  replace("point = turned(stamped.transform.rotation, point) + np.array(",
                          "place = place + in_order(rotations,"),
                  replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\nrotations.append(stamped.transform.rotation)"),
                  replace("return point", "return place + in_order(rotations, point)"))),
-    Mistake("you go the wrong way, from the parent to the child: turn by the rotation, then add the translation.",
+    Mistake("your code goes the wrong way, from the parent to the child: "
+            "turn by the rotation, then add the translation.",
             both(replace("turned(stamped.transform.rotation, point) + np.array(",
                          "turned(stamped.transform.rotation, np.array(point) -"),
                  replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
-    Mistake("you divide by the length of the axis, or by a sine. Both "
+    Mistake("your code divides by the length of the axis, or by a sine. Both "
             "are 0 if there is no rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
-    Mistake("you round the numbers. Rounding to three decimals loses up to half a millimetre. "
+    Mistake("your code rounds the numbers. Rounding to three decimals loses up to half a millimetre. "
             "Return the unrounded numbers.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
                     "[t.x, t.y, t.z])\npoint = np.round(point, 2)")
             + replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",
                       "return np.round(point, 1)")),
-    Mistake("you return nothing if the list is empty: in that case, return the point unchanged.",
+    Mistake("your code returns nothing if the list is empty: in that case, return the point unchanged.",
             replace("return point", "return point if transforms else None")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: go from the last transform to the first. "
@@ -138,36 +139,37 @@ def three(returned: Any) -> list[float]:
     return [x, y, z]
 
 
-ABOUT_Y = ("A rotation about z works, but one about a different axis doesn't. You probably "
-           "have a mistake in the terms with x and y: compare with turned(q, point).")  # fmt: skip
-IN_TURN = ("You probably expect a certain number of transforms, or a certain frame. "
+ABOUT_Y = ("A rotation about z works, but one about a different axis doesn't. The mistake "
+           "is probably in the terms with x and y: compare with turned(q, point).")  # fmt: skip
+IN_TURN = ("Your code probably expects a certain number of transforms, or a certain frame. "
            "Go from the last to the first, whatever their number: each turns the result of the transform after it, and "
            "then adds its translation.")  # fmt: skip
 CASES = [
     Case("a frame that is only translated", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
-         "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
-         "the wrong place (in ROS it is last), add only a part of the translation, or look for a certain frame."),
+         "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. Your code probably reads "
+         "w from the wrong place (in ROS it is last), adds only a part of the translation, or looks for a "
+         "certain frame."),
     Case("a quarter turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
-         "You probably have a mistake in the rotation itself: compare "
+         "The mistake is probably in the rotation itself: compare "
          "with turned(q, point). ROS uses x, y, z, w, with w last."),
     Case("translated, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-         "Translation and rotation each work separately. You probably "
-         "combine them in the wrong order: turn first, then add."),
+         "Translation and rotation each work separately. Your code probably "
+         "combines them in the wrong order: turn first, then add."),
     Case("turned about y, nose up", tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)), ABOUT_Y),
     Case("turned about x, on its side", tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)), ABOUT_Y),
     Case("turned about an oblique axis", tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
-         "Rotations about x, y and z work. You probably combine "
+         "Rotations about x, y and z work. Your code probably combines "
          "the three wrongly: compare with turned(q, point)."),
     Case("two transforms", tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)), IN_TURN, crashes=True),
     Case("quaternions with all signs changed", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
-         "q and -q are the same rotation. You probably use the sign of w without the signs of x, y and z."),
+         "q and -q are the same rotation. Your code probably uses the sign of w without the signs of x, y and z."),
     Case("five transforms", tried(LONG, (0.3, 0.1, -0.2)), IN_TURN, crashes=True),
     Case("a point of ints", tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
-         "An array made from ints can hold only ints. You probably lose "
+         "An array made from ints can hold only ints. Your code probably loses "
          "the fractions: start with np.array(point, float).", crashes=True),
     Case("a point that is an array", tried(LONG[2:], (0.3, 0.1, -0.2), np.array)),
     Case("no transform", tried([], (1.0, 2.0, 3.0)),
-         "You probably expect at least one transform. If the list is empty, return the point unchanged.",
+         "Your code probably expects at least one transform. If the list is empty, return the point unchanged.",
          crashes=True),
 ]  # fmt: skip
 

@@ -76,8 +76,8 @@ class OneByOne(HeldJoint):
 
 WRONG = [
     (edited(aim, ("self.joint.effort = 200 * (q_ref - q)", "self.joint.position = q_ref")), "position to the result"),
-    (edited(aim, ("= self.joint.range", "= -0.1700001, 0.7800001")), "hard-code the ends of the range"),
+    (edited(aim, ("= self.joint.range", "= -0.1700001, 0.7800001")), "hard-codes the ends of the range"),
     (edited(aim, ("= time_step", "= 0.001")), "a fixed time step"),
     (ByTheClock, "the computer's clock"),
-    (OneByOne, "add the torque to the previous one with +="),
+    (OneByOne, "adds the torque to the previous one with +="),
 ]

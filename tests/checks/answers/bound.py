@@ -61,12 +61,12 @@ def sleeps(message):
 
 RIGHT = [by_index, by_iterator, by_numpy]
 WRONG = [
-    (unpacks, ["require a certain number of axes"]),
-    (indexes_and_reverses, ["in their order", "expect four axes"]),
+    (unpacks, ["requires a fixed number of axes"]),
+    (indexes_and_reverses, ["in their order", "expects four axes"]),
     (rounds_nan, ["check isfinite(axis) first"]),
-    (counts_through_all, ["copy all axes, or go through all"]),
-    (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["copy all axes, or go through all"]),
+    (counts_through_all, ["copies all axes, or goes through all"]),
+    (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["copies all axes, or goes through all"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
-    (filters_all, ["remove an invalid axis", "copy all axes, or go through all"]),
+    (filters_all, ["removes an invalid axis", "copies all axes, or goes through all"]),
     (sleeps, ["Don't sleep"]),
 ]

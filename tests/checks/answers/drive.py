@@ -102,15 +102,15 @@ def set_tracks(self, x, y):
 
 
 METHODS = [
-    ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "set the tracks in the callback"),
-    ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "in several parts"),
+    ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "callback probably sets the tracks"),
+    ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "one by one"),
     ({"control": read_twice}, "reads self.joy twice"),
-    ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "assume that a message"),
-    ({"x": 0.0, "y": 0.0, "control": smooth}, "smooth the speeds"),
+    ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "assumes that a message"),
+    ({"x": 0.0, "y": 0.0, "control": smooth}, "smooths the speeds"),
     ({"on_joy": throttle}, "arrive too close together"),
     ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["so the tank keeps moving"]),
-    ({"configure": subscribes_first}, "create the subscription before the attributes that its callback uses"),
-    ({"configure": other_type}, ["a different topic or type", "read it before it is set"]),
+    ({"configure": subscribes_first}, "creates the subscription before the attributes that its callback uses"),
+    ({"configure": other_type}, ["a different topic or type", "reads it before it is set"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not notify the node"),
     ({"unconfigure": lambda self: self.node.destroy_node()}, "In unconfigure, destroy only the subscription"),
 ]

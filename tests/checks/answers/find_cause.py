@@ -143,16 +143,16 @@ def the_wrong_way_round(policy, some):
 
 
 NO_PUBLISHER, APART, NO_MESSAGE = ("domain", "nobody"), ("type", "reliability", "durability"), ("clock", "silent")
-LATE_TYPE = "you test for the type too late"
-EACH = "You probably check only one subscription"
-OTHER_TYPE = "You probably count a publisher of a different type"
-FIRST = "you check only the first publisher"
+LATE_TYPE = "your code tests for the type too late"
+EACH = "Your code probably checks only one subscription"
+OTHER_TYPE = "Your code probably counts a publisher of a different type"
+FIRST = "your code checks only the first publisher"
 WHOLE = "Compare whole names"
 ENOUGH = "A single one is enough"
-BY_MESSAGES = "you look at the messages before the subscriptions"
+BY_MESSAGES = "your code looks at the messages before the subscriptions"
 TURNED = "the wrong way round: the publisher has to offer"
-ELSEWHERE = "You probably look at other domains although there is a publisher here"
-LOST = "You probably look at something else first"
+ELSEWHERE = "Your code probably looks at other domains although there is a publisher here"
+LOST = "Your code probably looks at other facts first"
 WRONG = [
     (lambda _: "broken", "Return one of 'domain', 'nobody', 'type'"),
     (lambda facts: [cause_of(facts)], "Return one of 'domain', 'nobody', 'type'"),
@@ -179,14 +179,14 @@ WRONG = [
     (with_rules(*NO_PUBLISHER, "reliability", "type", "durability", *NO_MESSAGE, "dropped"), LATE_TYPE),
     (with_rules(*NO_PUBLISHER, *NO_MESSAGE, *APART, "dropped"), BY_MESSAGES),
     (with_rules(*NO_PUBLISHER, *NO_MESSAGE, "reliability", "durability", "type", "dropped"), [LATE_TYPE, BY_MESSAGES]),
-    (with_rules(*NO_PUBLISHER, *APART, "silent", "clock", "dropped"), "you return 'silent'"),
+    (with_rules(*NO_PUBLISHER, *APART, "silent", "clock", "dropped"), "your code returns 'silent'"),
     (lambda facts: "nobody" if not facts.publishers else cause_of(facts), LOST),
 ]
 WRONG += [
     (edited(find_cause, edit), cause)
     for edit, cause in [
         (("each.reliable or not subscription.reliable", "each.reliable"), "accepts any publisher"),
-        (("each.type == subscription.type", "each"), "you don't test `each.type == subscription.type`"),
+        (("each.type == subscription.type", "each"), "your code doesn't test `each.type == subscription.type`"),
         (("facts.unmoved > facts.received / 2", "facts.unmoved >= facts.received / 2"), "compare with >"),
         (("in reliable if", "in same if"), "A single publisher has to be both"),
         (("if facts.found_in", "if not facts.found_in"), "your condition is reversed"),

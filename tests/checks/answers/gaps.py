@@ -60,12 +60,12 @@ def kept_newest(messages):
     return [("gap", *earlier, *stamps[:1])] if earlier else find_gaps(messages)
 
 
-LAST = "you compare each stamp with the one before it"
-EMPTY = "You probably expect at least one message"
+LAST = "your code compares each stamp with the one before it"
+EMPTY = "Your code probably expects at least one message"
 
 
 WRONG = [
     (edited(gaps, ('"gap"', '"GAP"')), 'The only kinds of events are "gap" and "restart".'),
     (neighbours_of_some, [LAST, EMPTY]),
-    (kept_newest, ["You keep newest_of_all from one call to the next"]),
+    (kept_newest, ["Your code keeps newest_of_all from one call to the next"]),
 ]

@@ -77,6 +77,6 @@ class OnItsOwnThread(AtATime):
 
 
 WRONG = [
-    (edited(gyro, ("{self.io.body.name}", "odom")), "omit the name of the body or the sensor"),
-    (OnItsOwnThread, "publish from a timer or a thread"),
+    (edited(gyro, ("{self.io.body.name}", "odom")), "omits the name of the body or the sensor"),
+    (OnItsOwnThread, "publishes from a timer or a thread"),
 ]

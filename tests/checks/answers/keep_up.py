@@ -51,6 +51,6 @@ WRONG = [
     (edited(keep_up, BUSY, (POST, ONCE), ("self.body.calc", "self.busy = False\nself.body.calc")), "an older message"),
     (
         edited(keep_up, BUSY, ("self.update, message)", TAKE), (POST, f"self.message = message\n{ONCE}")),
-        "clear the flag of a waiting call too late",
+        "clears the flag of a waiting call too late",
     ),
 ]

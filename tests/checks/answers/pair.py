@@ -81,7 +81,7 @@ class OneLate(Pairs):
 WRONG = [
     (OneLate, "Return a pair when its second message arrives"),
     (ADefault, "on the class, or in an argument's default value"),
-    (OnlyTwenty, "You probably keep fewer or more than 50 waiting messages"),
+    (OnlyTwenty, "Your code probably keeps fewer or more than 50 waiting messages"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
     (NeverBehind, "After a restart, stamps start at 0"),
 ]

@@ -183,13 +183,13 @@ class Echo(Relay):
 
 
 SUBSCRIBED, PUBLISH = "self.on_joint_state, qos_profile_sensor_data", "self.publisher.publish(message)"
-NEW = "You probably publish a new or changed message, or publish it twice"
+NEW = "Your code probably publishes a new or changed message, or publishes it twice"
 WRONG = [
-    (InTheCallback, ["create the publisher only in the callback"]),
+    (InTheCallback, ["creates the publisher only in the callback"]),
     (HearsFirst, "Create the subscription last"),
-    (OnlyChanges, "skip a message that repeats"),
+    (OnlyChanges, "skips a message that repeats"),
     *((kind, "in on_joint_state, immediately, and only there") for kind in (Timed, Once, Again, InAThread)),
-    (Previous, "you publish the previous message"),
+    (Previous, "your code publishes the previous message"),
     *((kind, "only while a screen is connected") for kind in (IfConnected, IfCounted)),
     (SharedProfile, "Make a new QoSProfile for the publisher"),
     *((kind, "spins the node that") for kind in (OwnNode, OwnNodeClass)),
@@ -201,11 +201,11 @@ WRONG += [
         ((SUBSCRIBED, "self.on_joint_state, 1"), "your subscription asks for RELIABLE"),
         (("LOCAL)", "LOCAL, lifespan=Duration(seconds=10))"), "Omit lifespan"),
         (('"/wall/joint_state", kept', '"/wall/joint_state", 10'), "your publisher is VOLATILE"),
-        (('"/wall/joint_state"', '"/wall/joint_states"'), "publish on a different topic"),
-        (('"/robot/joint_state"', '"/Robot/joint_state"'), "subscribe to a different topic"),
+        (('"/wall/joint_state"', '"/wall/joint_states"'), "publishes on a different topic"),
+        (('"/robot/joint_state"', '"/Robot/joint_state"'), "subscribes to a different topic"),
         ((PUBLISH, "self.publisher.publish(JointState(name=message.name, position=message.position))"), NEW),
         ((PUBLISH, "message.header.stamp.sec += 1\nself.publisher.publish(message)"), NEW),
         ((PUBLISH, f"{PUBLISH}\n{PUBLISH}"), NEW),
-        ((PUBLISH, f"if message.position[0]:\n    {PUBLISH}"), "treat 0 as missing"),
+        ((PUBLISH, f"if message.position[0]:\n    {PUBLISH}"), "treats 0 as missing"),
     ]
 ]

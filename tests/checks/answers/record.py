@@ -85,8 +85,8 @@ class GoesOn(MyRecorder):
 RIGHT = [Patient, ClosesInTheThread, Counts]
 WRONG = [
     (edited(record, ("*received)", "*received[::-1])")), "self.bag.write(self.connection, time_ns, payload)"),
-    (edited(record, ("join()", "join(0.1)")), "you close the bag"),
-    (edited(record, ("self.writer.join()", "self.write()")), "You probably remove None from the queue"),
+    (edited(record, ("join()", "join(0.1)")), "your code closes the bag"),
+    (edited(record, ("self.writer.join()", "self.write()")), "Your code probably removes None from the queue"),
     (
         edited(
             record, ("self.received.put(None)", "pass"), ("self.bag.close", "self.received.put(None)\nself.bag.close")
@@ -95,6 +95,6 @@ WRONG = [
     ),
     (CountsTooLate, "super().configure(config) starts the thread"),
     (CallsNoSuper, "Call it: it creates the queue"),
-    (GoesOn, "You probably continue after None"),
+    (GoesOn, "Your code probably continues after None"),
     (Polls, ["get() waits for an entry"]),
 ]

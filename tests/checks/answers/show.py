@@ -78,13 +78,13 @@ def subscribes_first(self, config):
 
 
 WRONG = [
-    (changed(configure=subscribes_first), "create the subscription before the attributes that its callback uses"),
-    (changed(on_joint_state=lambda self, message: self.update(message)), "move the body in the callback"),
+    (changed(configure=subscribes_first), "creates the subscription before the attributes that its callback uses"),
+    (changed(on_joint_state=lambda self, message: self.update(message)), "moves the body in the callback"),
     (
         changed(on_joint_state=lambda self, m: self.call_later(self.update(m))),
-        "call the function yourself, with parentheses",
+        "calls the function immediately, with parentheses",
     ),
-    (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "your own timer or thread"),
+    (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "its own timer or thread"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(lock=threading.Lock(), **LOCKING), "Don't sleep or wait"),
     (changed(configure=calls_the_callback, on_joint_state=print), "Pass it without parentheses"),
@@ -98,13 +98,13 @@ WRONG += [
     (edited(show, *edits), cause)
     for edits, cause in [
         ([(POSITIONS, "positions(dict(zip(self.body.joint_names, message.position)))")], "by their index"),
-        ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "skip positions of 0"),
+        ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "skips positions of 0"),
         ([(POSITIONS, "positions(dict(zip(message.name, message.position)))")], "a name that the body does not have"),
-        ([(POSITIONS, NO_ANTENNA)], "set NaN as a position"),
+        ([(POSITIONS, NO_ANTENNA)], "sets NaN as a position"),
         ([(MATCHES, f"[message.position[i] for i, _ in enumerate(message.name)]\n{MATCHES}")], "an index beyond"),
         ([(MATCHES, f"if message.header.stamp.sec < 1: return\n{MATCHES}")], "because of its stamp"),
         ([("self.body.notify", IF_NEWS)], "repeats the positions"),
-        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "post directly to the event loop"),
-        ([("config.call_later", 'lambda *call: config.call_latest("joints", *call)')], "You probably lose messages"),
+        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "posts directly to the event loop"),
+        ([("config.call_later", 'lambda *call: config.call_latest("joints", *call)')], "probably loses messages"),
     ]
 ]

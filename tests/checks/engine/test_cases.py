@@ -28,4 +28,4 @@ def test_a_mistake_needs_an_edit():
 def test_meanings():
     first, _, below = toys.CASES
     assert toys.TOY.meaning_of(first) == "Compare with 2 * x + 1."
-    assert toys.TOY.meaning_of(below) == "You probably drop the sign."
+    assert toys.TOY.meaning_of(below) == "Your code probably drops the sign."

@@ -15,8 +15,8 @@ def fails(x):
 
 DIAGNOSES = {
     "right": (lambda x: x + x + 1, {}),
-    "a mistake": (lambda x: x + 3, {"three": "you add 2."}),
-    "two mistakes": (lambda x: 3 * (x + 2), {"two": "you multiply.", "three": "you add 2."}),
+    "a mistake": (lambda x: x + 3, {"three": "your code adds 2."}),
+    "two mistakes": (lambda x: 3 * (x + 2), {"two": "your code multiplies.", "three": "your code adds 2."}),
     "a slip": (lambda x: 2 * x, {"two": "`1` is missing, or always 0. It should be `y + 1`."}),
     "a slip within": (lambda x: 20 * x + 1, {"two": "a number differs or is missing. It should be `2 * x`."}),
     "a meaning": (lambda x: 2 * abs(x) + 1, {"below 0": "MEANING"}),

@@ -13,12 +13,12 @@ from . import toys
 
 def test_a_mistake_is_named_once():
     said = toys.said_of(lambda x: x + 3)
-    assert said == [right("two: 5"), wrong("three: 6; expected: 7", "Most likely you add 2.")]
+    assert said == [right("two: 5"), wrong("three: 6; expected: 7", "Most likely your code adds 2.")]
 
 
 def test_a_meaning():
     assert toys.said_of(lambda x: 2 * abs(x) + 1)[-1] == wrong(
-        "below 0: 7; expected: -5", "You probably drop the sign."
+        "below 0: 7; expected: -5", "Your code probably drops the sign."
     )
 
 

@@ -18,8 +18,15 @@ def given(x):
     return lambda trial: trial.call(trial.answer, x)
 
 
-MISTAKES = [Mistake("you add 2.", replace("2 * x", "2 + x")), Mistake("you multiply.", replace("y + 1", "y * 3"))]
-CASES = [Case("two", given(2)), Case("three", given(3)), Case("below 0", given(-3), "You probably drop the sign.")]
+MISTAKES = [
+    Mistake("your code adds 2.", replace("2 * x", "2 + x")),
+    Mistake("your code multiplies.", replace("y + 1", "y * 3")),
+]
+CASES = [
+    Case("two", given(2)),
+    Case("three", given(3)),
+    Case("below 0", given(-3), "Your code probably drops the sign."),
+]
 TOY = Cases(scaled, CASES, MISTAKES, "Compare with 2 * x + 1.")
 TWINS = Twins(TOY)
 

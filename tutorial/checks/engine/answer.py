@@ -112,6 +112,6 @@ def _what_to_write(answer: type, part: str) -> str:
         return f"You probably misspelled its name: {near[0]} should be {part}."
     made = getattr(vars(answer).get("__init__"), "__code__", None)
     if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
-        return f"You probably do its work in __init__. {NO_ARGUMENTS}"
+        return f"Its work is probably done in __init__. {NO_ARGUMENTS}"
     more = " The simulated body is io.body." * (part == "initialize")
     return f"Write the method {part}; it is part of the answer.{more}"

@@ -3,11 +3,12 @@
 For instance::
 
     MISTAKES = [
-        Mistake("you add instead of multiplying.", replace("2 * x", "2 + x", "x + 2")),
-        Mistake("you return before the end.", both(replace("return 2 * x", "pass"), replace("x = ", "return "))),
+        Mistake("your code adds instead of multiplying.", replace("2 * x", "2 + x", "x + 2")),
+        Mistake("your code returns before the end.", both(replace("return 2 * x", "pass"), replace("x = ", "return "))),
     ]
     CASES = [
-        Case("a number below 0", lambda trial: trial.call(trial.answer, -2), "You probably drop the sign. Keep it."),
+        Case("a number below 0", lambda trial: trial.call(trial.answer, -2),
+             "Your code probably drops the sign. Keep it."),
     ]
 """
 
@@ -21,7 +22,7 @@ from tutorial.checks.engine.trial import Trial
 # Tries `trial.answer` and returns an observation: a number of order 1, a string, or a list or dict of these.
 Run = Callable[[Trial], Any]
 
-CLOCK = "You probably read the computer's clock. Use only the time that you are given."
+CLOCK = "Your code probably reads the computer's clock. Use only the time that it is given."
 
 
 @dataclass(frozen=True)

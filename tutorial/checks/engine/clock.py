@@ -15,7 +15,9 @@ TURN = 2.0**-17  # [s] how long each turn of the loop takes, so that time passes
 TURNS = 20  # turns after a timer: enough for the calls that it schedules, and for the calls that these calls schedule
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # asyncio's own text
-AT_ONCE = "You probably call the function immediately, with parentheses. Pass the function itself, such as self.land."
+AT_ONCE = (
+    "Your code probably calls the function immediately, with parentheses. Pass the function itself, such as self.land."
+)
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):

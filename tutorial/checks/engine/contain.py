@@ -116,7 +116,7 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
         text, cause = "Python itself hangs", "A call into C code probably did not return, and blocked all threads."
     elif status >= 0:
         text = f"the process exited with status {status}"
-        cause = "You probably exit the whole process, as os._exit does. A controller only has to return."
+        cause = "Your code probably exits the whole process, as os._exit does. A controller only has to return."
     else:
         text = f"the process was killed by the signal {signal.Signals(-status).name}"
         cause = "Something outside of Python probably failed, such as a wrong call into a C library."

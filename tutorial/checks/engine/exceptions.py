@@ -14,7 +14,7 @@ from rclpy.exceptions import NotInitializedException
 
 from tutorial.controller import SimpleController
 
-AT_ONCE = "You probably call the callback immediately. Pass it without parentheses: self.{}."
+AT_ONCE = "Your code probably calls the callback immediately. Pass it without parentheses: self.{}."
 NO_ARGUMENTS = "__init__ gets no arguments: configure(self, config) gets config, and initialize(self, io) gets io."
 _STEPS = "The simulation calls {} once per step, so it needs no loop: return immediately. To wait, count steps."
 _RETURNS = {
@@ -29,15 +29,15 @@ _PROGRAMS = "Remove this call: the program calls rclpy.init, spins {}, and shuts
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
-    "io": "You probably don't store it in initialize: self.io = io.",
-    **{each: f"You probably don't store it in configure: self.{each} = config.{each}." for each in _CONFIG},
+    "io": "Your code probably doesn't store it in initialize: self.io = io.",
+    **{each: f"Your code probably doesn't store it in configure: self.{each} = config.{each}." for each in _CONFIG},
 }
-_UNSET = "You probably read it before it is set: "
+_UNSET = "Your code probably reads it before it is set: "
 _LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as the subscription exists."
 _CLASS = "You probably forgot the parentheses: {0} is the class, {0}(...) creates an object."
 _GENERAL = "Fix this line first. The check stopped here."
 _CAUSES = {
-    r"RuntimeError: .*event loop": "You probably use the event loop outside of the main thread. Post a call, "
+    r"RuntimeError: .*event loop": "Your code probably uses the event loop outside of the main thread. Post a call, "
     "self.call_later(self.update, message): the posted call can use the loop.",
     r"AttributeError: 'tuple'": "This is a tuple. Unpack it, as in positions, report = match_joints(...).",
     r"AttributeError: type object '(\w+)'": _CLASS,

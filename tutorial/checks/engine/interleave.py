@@ -15,7 +15,7 @@ from tutorial.checks.engine.trial import Trial
 TURN = 0.05  # [s] time limit of a turn, because a turn that needs the interrupted function's lock would never end
 MESSAGES = 100  # messages that arrive while a controller is being configured, one at each instruction
 
-EARLY = "You probably create the subscription before the attributes that its callback uses. Create it last."
+EARLY = "Your code probably creates the subscription before the attributes that its callback uses. Create it last."
 
 
 def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:

@@ -15,11 +15,17 @@ from tutorial.checks.engine.rig import APART, Rig, Sent
 from tutorial.checks.engine.trial import Trial
 
 NOTHING = "no message"
-IN_CONFIGURE = "You probably create it in initialize, which runs at every start. Create it once, in configure."
-TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
-ALL_JOINTS = "you hard-code the joints' names, or their number. Use all joints of the body: io.body.joints."
-SHARED_BY_ROBOTS = "You probably store something on the class, which all robots share. Set it on self, in initialize."
-RESTART = "You probably keep state from the previous run, or count steps or time from 0. Time continues after stop."
+IN_CONFIGURE = "Your code probably creates it in initialize, which runs at every start. Create it once, in configure."
+TOGETHER = (
+    "Your code probably sends a message for each joint, or calls publish twice. Send one message with all joints."
+)
+ALL_JOINTS = "your code hard-codes the joints' names, or their number. Use all joints of the body: io.body.joints."
+SHARED_BY_ROBOTS = (
+    "Your code probably stores something on the class, which all robots share. Set it on self, in initialize."
+)
+RESTART = (
+    "Your code probably keeps state from the previous run, or counts steps or time from 0. Time continues after stop."
+)
 
 # Returns an observation, given the rig and the sent messages.
 Look = Callable[[Any, list[Sent]], Any]
@@ -68,8 +74,10 @@ class Publishing:
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
-        topic = f"You probably use a different topic or type. In configure, write {made}, without a leading slash."
-        condition = f"You probably test a different condition. A message is due when {self.when}."
+        topic = (
+            f"Your code probably uses a different topic or type. In configure, write {made}, without a leading slash."
+        )
+        condition = f"Your code probably tests a different condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
             *[Case("on the body Rover, in the namespace /lab", self.topics("/lab"), topic)] * self.namespaces,
@@ -79,10 +87,11 @@ class Publishing:
 
     def _mistakes(self) -> list[Mistake]:
         return [
-            Mistake("you use the displayed copy, config.body, where nothing moves. The simulated body is io.body.",
+            Mistake("your code uses the displayed copy, config.body, where nothing moves. "
+                    "The simulated body is io.body.",
                     both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
                          replace("self.io = io", "self.io, io.body = io, self.shown"))),
-            Mistake(f"you publish at every step. Publish only if {self.when}.",
+            Mistake(f"your code publishes at every step. Publish only if {self.when}.",
                     replace("self.io.step %", "0 * self.io.step %")),
         ]  # fmt: skip
 
@@ -95,8 +104,8 @@ class Publishing:
     def wrong_steps(self) -> str:
         """The meaning of a case with too many or too few messages."""
         return (
-            "You probably hard-code the number of steps, truncate it, leave it unrounded, "
-            "or measure time instead of counting steps. "
+            "Your code probably hard-codes the number of steps, truncates it, leaves it unrounded, "
+            "or measures time instead of counting steps. "
             f"Publish when {self.when}."
         )
 
@@ -177,7 +186,7 @@ class Publishing:
         """Compare each stamp with the time when its message was sent, using steps of 6 ms."""
         sent = self.messages(self.play(trial, 1.3, 6, (1,)))
         if not sent:
-            cause = f"You probably count from 0, but a run can start at any step. Publish when {self.when}."
+            cause = f"Your code probably counts from 0, but a run can start at any step. Publish when {self.when}."
             raise Failure("control", Misuse("it publishes nothing if the simulation starts at step 1", cause))
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 

@@ -49,7 +49,7 @@ def cause_of_sharing(answer: Any, name: str) -> str:
         name: the shared object's name, as `SharedState.changed` returns it.
     """
     if not isinstance(answer, type) or name.startswith(_DEFAULT):
-        return f"You keep {name} from one call to the next. Create everything that a call needs inside the call."
+        return f"Your code keeps {name} from one call to the next. Create everything that a call needs inside the call."
     return (
         f"{name} is shared by all objects of the class. Create one for each object, "
         f"self.{name.rpartition('.')[2]} = ..., in __init__, configure or initialize."

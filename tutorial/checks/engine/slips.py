@@ -42,7 +42,7 @@ def another(node: ast.AST) -> Slips:
         case ast.BoolOp():
             yield from _missing_operands(node)
         case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
-            yield f"you don't test `{ast.unparse(test)}`.", test, ast.Constant(True)
+            yield f"your code doesn't test `{ast.unparse(test)}`.", test, ast.Constant(True)
             yield f"your condition is reversed. It should be `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
     yield from _other_numbers(node)
 
@@ -60,13 +60,13 @@ def _other_comparisons(node: ast.Compare) -> Slips:
     for kind in COMPARISONS:
         if not isinstance(node.ops[0], kind):
             other = ast.Compare(node.left, [kind()], node.comparators)
-            yield f"you use a different comparison. It should be `{ast.unparse(node)}`.", node, other
+            yield f"your code uses a different comparison. It should be `{ast.unparse(node)}`.", node, other
 
 
 def _missing_operands(node: ast.BoolOp) -> Slips:
     neutral = ast.Constant(isinstance(node.op, ast.And))
     for each in node.values:
-        yield f"you don't test `{ast.unparse(each)}`. It should be `{ast.unparse(node)}`.", each, neutral
+        yield f"your code doesn't test `{ast.unparse(each)}`. It should be `{ast.unparse(node)}`.", each, neutral
 
 
 def _other_numbers(node: ast.AST) -> Slips:

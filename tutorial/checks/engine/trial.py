@@ -14,7 +14,8 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.verdict import Place
 
 CHANGED = (
-    "You probably change it with sort, reverse, pop, del, append, += or =. Copy it first; np.asarray does not copy."
+    "Your code probably changes it with sort, reverse, pop, del, append, += or =. "
+    "Copy it first; np.asarray does not copy."
 )
 
 

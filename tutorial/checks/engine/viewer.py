@@ -28,8 +28,10 @@ SECONDS = (
     "config.call_later has no delay argument. The event loop's method has one: "
     "asyncio.get_running_loop().call_later(0.5, self.land)."
 )
-PARENTHESES = "You probably call the function yourself, with parentheses. Pass the function, then its arguments."
-TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
+PARENTHESES = (
+    "Your code probably calls the function immediately, with parentheses. Pass the function, then its arguments."
+)
+TOUCHED = "Your code probably moves the body in the callback. Post everything that uses the body; a lock does not help."
 COROUTINE = "Write def, not async def. If it has to wait, start a task in it: asyncio.create_task(...)."
 ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 

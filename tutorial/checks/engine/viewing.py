@@ -15,16 +15,20 @@ from tutorial.checks.engine.viewer import Viewer
 Step = Callable[[Any], str | None]
 
 POST = "self.call_later(self.update, message)"
-BESIDE = "You probably post from your own timer or thread. Post in the callback, once for each message."
+BESIDE = "Your code probably posts from its own timer or thread. Post in the callback, once for each message."
 
-SHARED_BY_VIEWERS = "You probably store something on the class, which all viewers share. Set it on self, in configure."
-ANOTHER_TOPIC = "You probably subscribe outside of configure, or to a different topic or type. In configure, write {}."
-NOT_POSTED = ("You probably drop some messages, for instance every second message, or post no calls at all. "
+SHARED_BY_VIEWERS = (
+    "Your code probably stores something on the class, which all viewers share. Set it on self, in configure."
+)
+ANOTHER_TOPIC = (
+    "Your code probably subscribes outside of configure, or to a different topic or type. In configure, write {}."
+)
+NOT_POSTED = ("Your code probably drops some messages, for instance every second message, or posts no calls at all. "
               "Post a call for each message, {}, and show it.")  # fmt: skip
-MOVES = ("You probably omit calc_forward_kinematics or notify_change, or call them too early. After every move of the "
-         "body, call both methods, in this order.")  # fmt: skip
-PAST_THE_QUEUE = ("You probably post directly to the event loop, so the call still runs after the controller has left "
-                  "its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
+MOVES = ("Your code probably omits calc_forward_kinematics or notify_change, or calls them too early. After every move "
+         "of the body, call both methods, in this order.")  # fmt: skip
+PAST_THE_QUEUE = ("Your code probably posts directly to the event loop, so the call still runs after the controller "
+                  "has left its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
