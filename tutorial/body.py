@@ -278,7 +278,7 @@ class Body:
         """Find a simulated body's `tutorial.view.camera.Camera` by name, or raise the same error as `joint`."""
         if self.find_camera is None:
             raise TutorialError(
-                f"the displayed body {self.name!r} cannot take pictures. Use the simulated body, io.body."
+                f"the displayed body {self.name!r} cannot capture images. Use the simulated body, io.body."
             )
         return self.find_camera(self, name)
 

@@ -102,7 +102,7 @@ class SteppedWorld:
         placements: the bodies.
         controllers: pairs of a body's name ("" for the world) and a controller, in the order of the calls.
         time_step: the time step [s].
-        find_camera: finds a camera of a simulated body (see `Body`); None for a world without pictures.
+        find_camera: finds a camera of a simulated body (see `Body`); None for a world without camera images.
 
     Attributes:
         model: the composed MuJoCo model.

@@ -120,7 +120,7 @@ def test_ctrl_c_ends_an_endless_driver(program, tmp_path):
 def test_without_pictures_nothing_starts(program):
     running = program("race", DRIVERS / "good.py", environment={"MUJOCO_GL": "nonsense"})
     assert running.ends() == 1
-    assert "Error: a race needs the camera's pictures, but MuJoCo can't render: " in running.output
+    assert "Error: a race needs camera images, but MuJoCo can't render: " in running.output
 
 
 def test_a_changed_or_new_file_changes_the_fingerprint(tmp_path, monkeypatch):

@@ -122,7 +122,7 @@ def test_on_other_threads_a_receivers_error_is_kept_and_logged_once(stage, eye, 
         stage.body.camera("SMALL").capture(lambda _: None)  # waits for the first one
     assert isinstance(stage.renderer.error, SystemExit)
     assert [record.getMessage() for record in caplog.records] == [
-        "a callback for pictures failed; the other callbacks continue"
+        "an image callback failed; the other callbacks continue"
     ]
 
 
@@ -172,6 +172,6 @@ def test_cameras_have_names_and_sizes(stage):
 
 def test_a_displayed_body_takes_no_images(stage):
     with pytest.raises(
-        TutorialError, match=r"displayed body 'Eye' cannot take pictures\. Use the simulated body, io\.body"
+        TutorialError, match=r"displayed body 'Eye' cannot capture images\. Use the simulated body, io\.body"
     ):
         Body.displayed(stage.placement).camera("CAMERA")

@@ -1,4 +1,4 @@
-"""The exercise of step 6: publish gray pictures."""
+"""The exercise of step 6: publish gray images."""
 
 from tutorial.checks.gray import gray
 

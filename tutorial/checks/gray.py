@@ -1,23 +1,23 @@
-"""The exercise `gray`: publish gray pictures.
+"""The exercise `gray`: publish gray images.
 
 Write the controller `GrayPublisher`. It publishes what the camera `CAMERA` sees, in gray: an `Image` on the topic
 `camera/gray` of its body, 5 times per simulated second. For the body `Tank` the topic is `Tank/camera/gray`, without a
 leading slash, so it is in the node's namespace.
 
-- Request a picture every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
-  either round the number of steps or keep the average rate exact. Publish every picture that you get, even if it
+- Request an image every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
+  either round the number of steps or keep the average rate exact. Publish every image that you get, even if it
   repeats the previous one: a repeated message is still a message.
 - Each pixel is one byte: the average of its red, green and blue values, rounded or truncated. This encoding is called
   `mono8`. The field `step` is the number of bytes in a row.
-- The stamp is the simulated time of the request. A picture can arrive after the next request, or not at all. The frame
+- The stamp is the simulated time of the request. An image can arrive after the next request, or not at all. The frame
   is the camera's optical frame; for the body `Tank` it is `Tank/CAMERA_optical`.
-- It works with pictures of any size, on any body that has such a camera, and with any time step.
+- It works with images of any size, on any body that has such a camera, and with any time step.
 - When the simulation stops, `stop` closes the camera. In `unconfigure`, the node destroys the publisher.
 
-Hint 1: Look at who does what. control only requests a picture, five times per simulated second. The function that
-receives the picture does everything else.
+Hint 1: Look at who does what. control only requests an image, five times per simulated second. The function that
+receives the image does everything else.
 
-Hint 2: In control, make the camera capture a picture. Pass it the function that receives the picture, and the simulated
+Hint 2: In control, make the camera capture an image. Pass it the function that receives the image, and the simulated
 time. That function receives the pixels and the time. It fills the message: height and width from pixels.shape, one byte
 per pixel in each row.
 
@@ -25,8 +25,8 @@ Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height,
 message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
 Time(nanoseconds=time_ns).to_msg().
 
-Notice that the control loop never waits for a picture. And gray pictures at half the rate need a sixth of the bytes per
-second that colour pictures need.
+Notice that the control loop never waits for an image. And gray images at half the rate need a sixth of the bytes per
+second that colour images need.
 """
 
 from array import array
@@ -67,12 +67,12 @@ class GrayPublisher(SimpleController):
         self.steps_per_picture = round(1 / (5 * io.time_step))
 
     def control(self) -> None:
-        """Request a picture five times per simulated second."""
+        """Request an image five times per simulated second."""
         if self.io.step % self.steps_per_picture == 0:
             self.camera.capture(self.publish, self.io.time_ns)
 
     def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:
-        """Publish a picture. Called on the camera's thread."""
+        """Publish an image. Called on the camera's thread."""
         message = Image()
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
         message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"
@@ -83,7 +83,7 @@ class GrayPublisher(SimpleController):
         self.publisher.publish(message)
 
     def stop(self) -> None:
-        """Close the camera, so that it delivers no more pictures."""
+        """Close the camera, so that it delivers no more images."""
         self.camera.close()
 
     def unconfigure(self) -> None:
@@ -107,7 +107,7 @@ MISTAKES = [
                     "np.rint(pixels @ [0.299, 0.587, 0.114])")),
     Mistake("your code divides by 255. In mono8, white is 255, as in the pixels.",
             replace("pixels.mean(axis=2)", "(pixels.mean(axis=2) / 255)")),
-    Mistake("your code turns the picture upside down, mirrors it, or swaps rows "
+    Mistake("your code turns the image upside down, mirrors it, or swaps rows "
             "and columns: send the top row first, each row from left to right.",
             replace("pixels.mean(axis=2)", "pixels[::-1].mean(axis=2)", "pixels[:, ::-1].mean(axis=2)",
                     "pixels[::-1, ::-1].mean(axis=2)", "pixels.mean(axis=2).T")),
@@ -121,7 +121,7 @@ SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
 
 @cache
 def picture(number: int, width: int, height: int) -> Pixels:
-    """Make a picture whose pixels all differ; each pixel's mean is a whole number plus one third."""
+    """Make an image whose pixels all differ; each pixel's mean is a whole number plus one third."""
     random = np.random.default_rng(number)
     grays = random.permutation(width * height) * 3 + 60
     tints = random.permuted([[40, -10, -29]] * len(grays), axis=1)
@@ -148,7 +148,7 @@ class Camera:
         rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
-        """Record the request, with the call that will deliver its picture."""
+        """Record the request, with the call that will deliver its image."""
         if not callable(deliver):
             raise Misuse(f"capture gets {deliver!r} instead of a function", AT_ONCE.format("publish"))
         pixels = picture(0 if self._rig.is_still else len(self._rig.orders), self.width, self.height)
@@ -157,25 +157,25 @@ class Camera:
         )
 
     def close(self) -> None:
-        """Stop delivering pictures."""
+        """Stop delivering images."""
         self._is_open = False
 
 
 class CameraRig(Rig):
-    """A rig with a camera. Its pictures can be late, and one of them can be missing.
+    """A rig with a camera. Its images can be late, and one of them can be missing.
 
     Args:
         trial: the trial that the rig belongs to.
         delay: the number of steps from a request to its delivery.
-        missed: the number of the picture that is never delivered.
-        is_still: whether all pictures are identical.
+        missed: the number of the image that is never delivered.
+        is_still: whether all images are identical.
         options: the options of `Rig`.
 
     Attributes:
         cameras: the cameras that the learner has looked up.
         orders: the requests since the start, each with its step, its camera, the pixels, and a function that delivers
             them.
-        delivered: the delivered pictures, each with the step of its request.
+        delivered: the delivered images, each with the step of its request.
     """
 
     def __init__(self, trial: Trial, delay: int = 0, missed: int = -1, is_still: bool = False, **options: Any) -> None:
@@ -198,10 +198,10 @@ class CameraRig(Rig):
 
 
 def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
-    """Observe whether each message contains the delivered picture in gray."""
+    """Observe whether each message contains the delivered image in gray."""
     seen = [[*each.message.data] for each in sent]
     wanted = [pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for _, pixels in rig.delivered]
-    return compared([*zip_longest(seen, wanted, fillvalue=[])], "the pictures in gray", word)
+    return compared([*zip_longest(seen, wanted, fillvalue=[])], "the images in gray", word)
 
 
 def word(data: list[int]) -> str:
@@ -216,7 +216,7 @@ def stamps(trial: Trial, **options: Any) -> Any:
     """Compare the stamps with the times of the requests, using steps of 7 ms."""
     rig = PUBLISHING.play(trial, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
-        return f"{len(rig.orders)} of 8 pictures are requested"
+        return f"{len(rig.orders)} of 8 images are requested"
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
     return compared_stamps([(each.stamp_ns, step * 7_000_000) for each, (step, _) in pairs])
 
@@ -229,12 +229,12 @@ def left_open(trial: Trial) -> str:
 
 
 def still(trial: Trial) -> Any:
-    """Observe how often identical pictures are sent."""
+    """Observe how often identical images are sent."""
     return PUBLISHING.often(PUBLISHING.play(trial, 0.9, is_still=True))
 
 
 def frame(frame_id: str) -> str:
-    """Return a picture's frame. The camera's name alone is accepted as its optical frame."""
+    """Return an image's frame. The camera's name alone is accepted as its optical frame."""
     return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
 
 
@@ -254,11 +254,11 @@ CASES = [
          'a different frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
     Case("the stamp", stamps, "Your code probably loses the time of the request, or a part of it. "
          "Pass it to self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec."),
-    Case("late and missing pictures", lambda trial: stamps(trial, delay=40, missed=2),
-         "Your code probably skips some requests, or doesn't stamp each picture with the time "
+    Case("late and missing images", lambda trial: stamps(trial, delay=40, missed=2),
+         "Your code probably skips some requests, or doesn't stamp each image with the time "
          "of its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
-    Case("nothing moves, so all pictures are identical", still,
-         "Your code probably skips a picture that is identical to an earlier one. "
+    Case("nothing moves, so all images are identical", still,
+         "Your code probably skips an image that is identical to an earlier one. "
          "Publish all of them: a repeated message is still a message."),
     Case("after stop", left_open, "Your code probably doesn't close the camera in stop, or looks up several "
          "cameras: look it up once, in initialize, and call self.camera.close() in stop."),

@@ -153,7 +153,7 @@ def race_project(line: Path) -> Project:
     """Load the race project that came with the tutorial, not a learner's copy, and give it this line.
 
     Raises:
-        TutorialError: this machine cannot render the camera's pictures, or the line is not valid.
+        TutorialError: this machine cannot render camera images, or the line is not valid.
     """
     _check_pictures()  # first, because importing MuJoCo can fail as well
     from tutorial import ros_backend
@@ -165,9 +165,9 @@ def race_project(line: Path) -> Project:
 
 
 def _check_pictures() -> None:
-    """Raise an error if this machine cannot render the camera's pictures."""
+    """Raise an error if this machine cannot render camera images."""
     from tutorial.commands.doctor import mujoco
 
     found = mujoco()
     if found.level != "ok":
-        raise TutorialError(f"a race needs the camera's pictures, but MuJoCo can't render: {found.text}. {found.fix}.")
+        raise TutorialError(f"a race needs camera images, but MuJoCo can't render: {found.text}. {found.fix}.")

@@ -47,7 +47,7 @@ PRELUDE = (
 
 NO_START, DRIVER_ENDED = "no start", "driver ended"
 CHANGED = "the line or files of the tutorial have changed"
-SLOW = 0.95  # simulated time divided by real time: below this, a driver gets its pictures late
+SLOW = 0.95  # simulated time divided by real time: below this, a driver gets its images late
 SLOWEST = 0.2  # below this, a race ends early
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] the longest wait for a driver's publisher; imports are slow on a loaded machine
@@ -260,7 +260,7 @@ async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float
     """Run a race to its end. Return the reason for an early end, or "", and simulated time divided by real time."""
     simulation = host.simulation
     assert simulation is not None
-    simulation.advance(simulation.time_step)  # in lockstep: it waits for the first picture, which also starts OpenGL
+    simulation.advance(simulation.time_step)  # in lockstep: it waits for the first image, which also starts OpenGL
 
     began, from_time = time.perf_counter(), simulation.time
     longest = referee.limit / SLOWEST

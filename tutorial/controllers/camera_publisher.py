@@ -13,7 +13,7 @@ RATE = 10  # [Hz], in simulation time
 
 
 class CameraPublisher(SimpleController):
-    """Publish pictures at 10 Hz. The control loop only requests pictures; another thread renders and publishes them."""
+    """Publish images at 10 Hz. The control loop only requests images; another thread renders and publishes them."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher. Its topic is named after the body."""
@@ -27,19 +27,19 @@ class CameraPublisher(SimpleController):
         self.steps_per_picture = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Request a picture when one is due."""
+        """Request an image when one is due."""
         if self.io.step % self.steps_per_picture == 0:
             self.camera.capture(self.publish, self.io.time_ns)
 
     def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:  # camera's thread
-        """Publish a picture, stamped with the simulated time of its request [ns]."""
+        """Publish an image, stamped with the simulated time of its request [ns]."""
         message = image(pixels)
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
         message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"
         self.publisher.publish(message)
 
     def stop(self) -> None:  # one of the simulation's threads, after the last step
-        """Close the camera, so that no more pictures arrive."""
+        """Close the camera, so that no more images arrive."""
         self.camera.close()
 
     def unconfigure(self) -> None:  # main thread

@@ -223,11 +223,11 @@ class Program:
         return recorded(self._scene, path, *shown, LONGEST_PAUSE)
 
     def close(self) -> None:
-        """Shut down the simulation, controllers and node. The view keeps its last picture. Idempotent."""
+        """Shut down the simulation, controllers and node. The view keeps its last frame. Idempotent."""
         self._open = False
         self._next.cancel()
         self.host.close()
-        self._scene.catch_up()  # so that pages opened later also show the last picture
+        self._scene.catch_up()  # so that pages opened later also show the last frame
         self._scene.catch_up = lambda: None
         self.view.end()
 

@@ -150,7 +150,7 @@ class View:
         self._show_grid_without_floor()
 
     def look_at_bodies(self, *names: str) -> None:
-        """Place the camera so that these bodies fill the picture, and scale the grid to their size.
+        """Place the camera so that these bodies fill the view, and scale the grid to their size.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

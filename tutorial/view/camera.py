@@ -1,4 +1,4 @@
-"""Cameras of a simulated world, whose pictures MuJoCo renders off screen on a separate thread."""
+"""Cameras of a simulated world, whose images MuJoCo renders off screen on a separate thread."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, advice
 
-TIMEOUT = 30.0  # [s] the longest wait for a picture in lockstep; the first picture also starts OpenGL
+TIMEOUT = 30.0  # [s] the longest wait for an image in lockstep; the first image also starts OpenGL
 UNSET = (1, 1)  # [px] MuJoCo's resolution for a camera that sets none
 NO_PICTURES = "cameras do not work, but everything else does: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
@@ -28,7 +28,7 @@ class Camera:
 
     Attributes:
         name: the camera's name, without the body's prefix.
-        width, height: the size of its pictures [px].
+        width, height: the size of its images [px].
     """
 
     name: str
@@ -39,29 +39,29 @@ class Camera:
     renderer: CameraRenderer = field(repr=False)
 
     def capture(self, deliver: Callable[..., object], *args: object) -> None:
-        """Request a picture of the world in its current state, to be delivered by ``deliver(pixels, *args)``.
+        """Request an image of the world in its current state, to be delivered by ``deliver(pixels, *args)``.
 
-        This call only copies the state. The renderer's thread renders the picture and calls ``deliver``. Pixels have
+        This call only copies the state. The renderer's thread renders the image and calls ``deliver``. Pixels have
         the shape (height, width, 3), with red, green and blue from 0 to 255, and the top row first. A new request
         replaces a request that has not been rendered yet.
 
         Call it on the thread that steps the simulation. If that thread also made the renderer (lockstep), this call
-        waits until the picture has been delivered, so that no picture is lost, and raises any exception from
+        waits until the image has been delivered, so that no image is lost, and raises any exception from
         ``deliver``.
 
         Raises:
-            TutorialError: in lockstep, the picture did not arrive in time.
+            TutorialError: in lockstep, the image did not arrive in time.
         """
         self.renderer.request(self, deliver, args)
 
     def close(self) -> None:
-        """Stop delivering pictures, after waiting for a delivery in progress. Idempotent. Thread-safe."""
+        """Stop delivering images, after waiting for a delivery in progress. Idempotent. Thread-safe."""
         self.renderer.forget(self)
 
 
 @dataclass(eq=False)
 class _Request:
-    """A requested picture."""
+    """A request for an image."""
 
     camera: Camera
     qpos: NDArray[np.float64]
@@ -73,13 +73,13 @@ class _Request:
 
 
 class CameraRenderer:
-    """Renders the cameras of one simulated world, on a thread that starts with the first picture.
+    """Renders the cameras of one simulated world, on a thread that starts with the first image.
 
-    Each picture is rendered from a copy of the state, so the simulation continues during rendering. If rendering fails,
-    one log line reports the error, and no pictures are delivered.
+    Each image is rendered from a copy of the state, so the simulation continues during rendering. If rendering fails,
+    one log line reports the error, and no images are delivered.
 
     Attributes:
-        error: the last exception that a callback for pictures raised, or None.
+        error: the last exception that an image callback raised, or None.
     """
 
     def __init__(self) -> None:
@@ -104,7 +104,7 @@ class CameraRenderer:
         return Camera(name, width, height, body, number, self)
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
-        """Request a picture; see `Camera.capture`."""
+        """Request an image; see `Camera.capture`."""
         is_awaited = threading.current_thread() is self._owner
         request = _Request(camera, camera.body.data.qpos.copy(), deliver, args, is_awaited)
         with self._changed:
@@ -119,12 +119,12 @@ class CameraRenderer:
             self._changed.notify_all()
         if is_awaited:
             if not request.done.wait(TIMEOUT):
-                raise TutorialError(f"camera {camera.name!r} delivered no picture within {TIMEOUT:g} s.")
+                raise TutorialError(f"camera {camera.name!r} delivered no image within {TIMEOUT:g} s.")
             if request.error is not None:
                 raise request.error
 
     def forget(self, camera: Camera) -> None:
-        """Stop delivering pictures of this camera; see `Camera.close`."""
+        """Stop delivering images of this camera; see `Camera.close`."""
         with self._changed:
             dropped = self._requests.pop(camera, None)
             if dropped is not None:
@@ -140,7 +140,7 @@ class CameraRenderer:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(TIMEOUT / 10)
             if self._thread.is_alive():
-                _log.error("a callback for pictures does not return; its thread will end with the process")
+                _log.error("an image callback does not return; its thread will end with the process")
 
     def _main(self, model: mujoco.MjModel) -> None:
         """Run the renderer's thread, the only thread that uses OpenGL."""
@@ -167,14 +167,14 @@ class CameraRenderer:
             return self._at_work
 
     def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
-        """Deliver a picture. In lockstep, the caller raises the receiver's error; otherwise, log the first error."""
+        """Deliver an image. In lockstep, the caller raises the receiver's error; otherwise, log the first error."""
         try:
             request.deliver(pixels, *request.args)
         except BaseException as error:  # noqa: BLE001 - the other cameras continue
             request.error = error
             if not request.is_awaited:
                 if self.error is None:
-                    _log.error("a callback for pictures failed; the other callbacks continue", exc_info=error)
+                    _log.error("an image callback failed; the other callbacks continue", exc_info=error)
                 self.error = error
         request.done.set()
 

@@ -19,7 +19,7 @@ Pixels = NDArray[np.uint8]
 
 
 class Offscreen(AbstractContextManager["Offscreen"]):
-    """An off-screen OpenGL context for pictures of one model. Use it only on the thread that makes it.
+    """An off-screen OpenGL context for rendering one model. Use it only on the thread that makes it.
 
     Args:
         model: the model to render. The context uses a copy without shadows or antialiasing, which are expensive.
@@ -49,12 +49,12 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         self._gl.free()
 
     def render(self, qpos: NDArray[np.float64], camera: int, width: int, height: int) -> Pixels:
-        """Render the picture of a camera.
+        """Render a camera's image.
 
         Args:
             qpos: the positions, shape (nq,).
             camera: the camera's id.
-            width, height: the size of the picture [px].
+            width, height: the size of the image [px].
 
         Returns:
             The pixels, shape (height, width, 3), with the top row first.

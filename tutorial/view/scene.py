@@ -83,7 +83,7 @@ class Scene:
     """Stores everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
 
     Use it on the thread that made it. Its size does not grow with time: it stores only the latest value of each object,
-    transform and property, in the order of the last change, because nothing else affects the picture. A viewer's
+    transform and property, in the order of the last change, because nothing else affects the view. A viewer's
     built-in objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
@@ -141,7 +141,7 @@ class Scene:
 
         Args:
             position: the camera's position [m].
-            target: the point in the middle of the picture [m], about which the mouse turns the view.
+            target: the point in the middle of the view [m], about which the mouse turns it.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

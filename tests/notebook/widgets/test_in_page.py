@@ -122,7 +122,7 @@ async def test_camera_images_are_drawn_until_the_end_is_shown(domain, sent):
         await page.wait_for_function("said.includes('seen')")
         assert (x / picture.shape[1], y / picture.shape[0]) == pytest.approx((45 / 60, 15 / 40), abs=0.03)
         await page.evaluate("model.set('ended', true)")
-        await page.get_by_text("closed: this is its last picture").wait_for()
+        await page.get_by_text("closed: this is its last image").wait_for()
 
 
 async def test_sticks_shrink_side_by_side():

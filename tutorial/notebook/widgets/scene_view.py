@@ -45,7 +45,7 @@ class SceneView(FrameWidget):
             self.scene.detach(self._show)
 
     def end(self) -> None:
-        """Stop following the scene. All pages, even those opened later, show its last picture. Idempotent.
+        """Stop following the scene. All pages, even those opened later, show its last frame. Idempotent.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

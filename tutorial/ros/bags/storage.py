@@ -6,7 +6,7 @@ from typing import Any
 import yaml
 
 LARGEST_MESSAGE = 128 * 2**20
-"""Maximum size of a message, or of a chunk once decompressed [bytes]: about five pictures from the largest cameras."""
+"""Maximum size of a message, or of a chunk once decompressed [bytes]: about five images from the largest cameras."""
 
 RawMessage = tuple[str, int, bytes]
 """A message's topic, time of receipt [ns] and payload."""

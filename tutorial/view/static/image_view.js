@@ -46,7 +46,7 @@ class PictureView extends FrameView {
 
   onEnded() {
     const isOver = this.isGone || this.model.get("ended");
-    this.line.textContent = this.text + (isOver ? " – closed: this is its last picture" : "");
+    this.line.textContent = this.text + (isOver ? " – closed: this is its last image" : "");
   }
 }
 
