@@ -8,12 +8,16 @@ from contextlib import contextmanager, suppress
 
 @contextmanager
 def reserved_domain() -> Iterator[int]:
-    """Hold a free ROS_DOMAIN_ID from 11 to 101 by binding its first port for TCP, which DDS does not use."""
-    with socket.socket() as held:
-        for number in random.sample(range(11, 102), 91):
-            with suppress(OSError):
-                held.bind(("127.0.0.1", 7400 + 250 * number))
-                break
-        else:
-            raise RuntimeError("all ROS domains are taken")
-        yield number
+    """Hold a free ROS_DOMAIN_ID from 11 to 101 by binding its first port for TCP, which DDS does not use.
+
+    A domain is not free if a program has the first participant's UDP port.
+    """
+    for number in random.sample(range(11, 102), 91):
+        port = 7400 + 250 * number
+        with suppress(OSError), socket.socket() as held, socket.socket(type=socket.SOCK_DGRAM) as participant:
+            held.bind(("127.0.0.1", port))
+            participant.bind(("127.0.0.1", port + 10))
+            participant.close()
+            yield number
+            return
+    raise RuntimeError("all ROS domains are taken")
