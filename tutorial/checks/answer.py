@@ -23,6 +23,8 @@ Notice that the callback waits, which a callback should not do; but it waits onl
 long.
 """
 
+import math
+import re
 import threading
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -31,6 +33,7 @@ from std_srvs.srv import Trigger
 
 from tutorial.checks.engine.bench import Bench
 from tutorial.checks.engine.cases import Case, Cases, Run
+from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -39,6 +42,25 @@ from tutorial.errors import RefusedError
 STEP = 0.02  # [s]
 LONG_STEP = 1.2  # [s]
 ENOUGH = 1.0  # [s] within which a request has to be answered
+TIMEOUTS = 0.3, 0.7  # [s] the shortest and the longest wait that count as 0.5 s
+DISPLAYED, FIRST, DURING, BARREL = 3.33, 5.55, 9.99, 7.77  # [rad] angles that a right answer never reads
+
+ASK = "Have the simulation's thread read the joint for each request: self.ask(self.read, timeout=0.5)."
+READ = {
+    DISPLAYED: "You probably read the displayed body, config.body. The simulated body is io.body in initialize.",
+    FIRST: f"You probably read the joint only once, in initialize. {ASK}",
+    DURING: f"You probably read the joint on the executor's thread, in the middle of a step. {ASK}",
+    BARREL: "You probably read a different joint. The turret's joint is TURRET_Y.",
+}
+"""The likely cause of each wrong angle."""
+FORMAT = 'The number is right. Write it with two decimals, even if they are 0, and the unit: f"{angle:.2f} rad".'
+DEGREES = "You probably convert the angle to degrees. The joint's position is already in radians."
+FAILED = "The angle is right, but success is False. When ask has returned, set response.success = True."
+EMPTY = (
+    "You probably return the response before anything fills it in. call_later returns immediately, without a result; "
+    "ask waits for it. Set success and message, then return the response."
+)
+NEVER = f"You never call config.ask. {ASK}"
 
 
 class AngleServer(SimpleController):
@@ -78,9 +100,11 @@ def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
     done = threading.Event()
 
     def run() -> None:
+        bench.displayed.set_joint_positions({"TURRET_Y": DISPLAYED})
+        bench.body.set_joint_positions({"TURRET_Y": FIRST, "TURRET_P": BARREL})
         bench.do("initialize", ControllerIO(bench.body, 0.001))
         while not done.is_set():
-            bench.body.set_joint_positions({"TURRET_Y": 9.99})
+            bench.body.set_joint_positions({"TURRET_Y": DURING})
             done.wait(step)
             bench.body.set_joint_positions({"TURRET_Y": angle})
             bench.requests.run_waiting()
@@ -104,10 +128,26 @@ def read(name: str, *angles: float) -> Run:
         with closing(Bench(trial, name)) as bench:
             for angle in angles:
                 with simulated(bench, angle):
-                    said += [bench.ask(f"/{name}/angle") for _ in range(3)]
+                    said += [angle_from(bench, f"/{name}/angle", angle) for _ in range(3)]
         return ", ".join(dict.fromkeys(said))
 
     return case
+
+
+def angle_from(bench: Bench, service: str, angle: float) -> str:
+    """Make a request and return the described response.
+
+    Raises:
+        Failure: the response does not report the angle [rad], and the likely cause is known.
+    """
+    said, wanted = bench.ask(service), f"yes: {angle:.2f} rad"
+    number = float((re.search(r"-?\d+(\.\d+)?", said) or ["nan"])[0])
+    known = {**READ, angle: FAILED if said.startswith("no") else FORMAT, math.degrees(angle): DEGREES}
+    causes = [cause for value, cause in known.items() if abs(number - value) < 0.06]
+    causes += [EMPTY] * (said == "no: ") + [NEVER] * (not bench.timeouts)
+    if said != wanted and causes:
+        raise Failure(service, Misuse(f"{said}; expected: {wanted}", causes[0]))
+    return said
 
 
 def refused(trial: Trial) -> str:
@@ -120,8 +160,9 @@ def late(trial: Trial) -> str:
     """Observe the response while a step takes too long."""
     with closing(Bench(trial)) as bench, simulated(bench, 0.5, LONG_STEP):
         said = bench.ask("/Tank/angle")
-        is_refused = said.startswith("no: the simulation") and bench.took < ENOUGH
-        return "refused in time" if is_refused else f"after {bench.took:.1f} s, {said}"
+        waits, (shortest, longest) = sum(bench.timeouts), TIMEOUTS
+        is_refused = said.startswith("no: the simulation") and bench.took < ENOUGH and shortest <= waits <= longest
+        return "refused in time" if is_refused else f"a timeout of {waits:g} s, after {bench.took:.1f} s {said}"
 
 
 def left(trial: Trial) -> str:
@@ -130,19 +171,16 @@ def left(trial: Trial) -> str:
         return bench.leave()
 
 
-WHERE = (
-    "You probably read the joint on the executor's thread, in the middle of a step, or read it only once. "
-    "Have the simulation's thread read it for each request: self.ask(self.read, timeout=0.5)."
-)
+WHERE = f"You probably read the joint on the executor's thread, in the middle of a step, or read it only once. {ASK}"
 HOW = "Pass the request to the simulation's thread, and wait for the answer: self.ask(self.read, timeout=0.5)."
 CASES = [
-    Case("in a simulation, the turret at 0.25 rad", read("Tank", 0.25), WHERE, crashes=True),
+    Case("in a simulation, the turret at 0.25 rad", read("Tank", 0.25), WHERE),
     Case("on the body Rover, in two simulations", read("Rover", -0.5, 1.0), WHERE),
     Case("without a simulation", refused,
-         "You probably report success, or your own text. If ask raises a RefusedError, set message to the error's "
-         "text, and success to False.", crashes=True),
+         "You probably report success or your own text, or don't catch the error. If ask raises a RefusedError, "
+         "set message to the error's text, and success to False.", crashes=True),
     Case("while a step takes 1.2 s", late,
-         "You probably omit the timeout. Write self.ask(self.read, timeout=0.5)."),
+         "You probably omit the timeout, or use a different one. Write self.ask(self.read, timeout=0.5)."),
     Case("after unconfigure", left,
          "You probably don't destroy the service. In unconfigure: self.node.destroy_service(self.service)."),
 ]  # fmt: skip

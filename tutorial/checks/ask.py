@@ -1,13 +1,13 @@
 """The exercise `ask`: ask two questions in a callback, and never wait for yourself.
 
 Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it calls
-`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you need not check.
+`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you need not wait for them.
 
 - If both succeed, it returns the response of `/go_home`.
 - If `success` is False in the door's response, it does not call `/go_home` and returns the door's response.
 - All callbacks of the program's node run on one thread. This thread must not wait for a response.
-- Create the clients in `configure`. In `unconfigure`, when the controller leaves the body, the node destroys the
-  service and the clients.
+- Create both clients on `config.node`, in `configure`. In `unconfigure`, when the controller leaves the body, the node
+  destroys the service and the clients.
 
 Hint 1: Look at what the executor's thread does while a response is on its way. This thread has to be free to receive
 it. And which callback group does the response need?
@@ -22,13 +22,15 @@ Otherwise, return the result of await self.go_home.call_async(Trigger.Request())
 Notice that the callback reads like a list of steps, and that no second thread is needed.
 """
 
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from std_srvs.srv import Trigger
 
 from tutorial.checks.engine.bench import UNANSWERED, Bench
 from tutorial.checks.engine.cases import Case, Cases, Run
+from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
@@ -59,37 +61,62 @@ class PitCrew(SimpleController):
         self.node.destroy_client(self.go_home)
 
 
-def stops(*replies: tuple[str, str]) -> Run:
-    """Observe pit stops for given replies of both services; then the controller leaves the body."""
+NAMES = ["/go_home", "/open_door"]
+CLIENTS = (
+    "In configure, create one client for each service, on config.node and with the service's name: "
+    "self.node.create_client(Trigger, '/open_door', ...)."
+)
+WRONG_ASK = "config.ask is only for the simulation's thread, and it waits. Await the future of call_async instead."
+
+
+@contextmanager
+def garage(trial: Trial, door: str = "open", home: str = "home") -> Iterator[Bench]:
+    """Offer both services with given replies, and configure the controller.
+
+    Raises:
+        Failure: `configure` has not created a client for each service.
+    """
+    with closing(Bench(trial, open_door=door, go_home=home)) as bench:
+        bench.requests.close(WRONG_ASK)
+        clients = sorted(each.service_name for each in bench.node.clients)
+        if not {*NAMES} <= {*clients}:
+            said = ", ".join(clients) or "none"
+            raise Failure("configure", Misuse(f"clients of config.node: {said}; expected: {', '.join(NAMES)}", CLIENTS))
+        yield bench
+
+
+def stops(door: str = "open", home: str = "home", count: int = 1) -> Run:
+    """Observe pit stops, one after another, for given replies of both services."""
 
     def case(trial: Trial) -> str:
-        said = []
-        for door, home in replies:
-            with closing(Bench(trial)) as bench:
-                bench.serve(open_door=door, go_home=home)
-                said += [f"{bench.ask('/pit_stop')} ({', '.join(bench.asked)})"]
-        return "; ".join(said)
+        with garage(trial, door, home) as bench:
+            said = [bench.ask("/pit_stop") for _ in range(count)]
+            if bench.timeouts:
+                raise Failure("on_pit_stop", Misuse("it calls config.ask", WRONG_ASK))
+            return f"{', then '.join(said)} ({', '.join(bench.asked) or 'no calls'})"
 
     return case
 
 
-def twice(trial: Trial) -> str:
-    """Observe two requests, one after another, and what the controller leaves behind."""
-    with closing(Bench(trial)) as bench:
-        bench.serve(open_door="open", go_home="home")
-        said = [bench.ask("/pit_stop") for _ in range(2)]
-        return f"{', then '.join(said)} ({', '.join(bench.asked)}); {bench.leave()}"
+def left(trial: Trial) -> str:
+    """Observe what is left after a pit stop and `unconfigure`."""
+    with garage(trial) as bench:
+        bench.ask("/pit_stop")
+        return bench.leave()
 
 
 CASES = [
-    Case("a pit stop", stops(("open", "home")),
+    Case("a pit stop", stops(),
          "You probably return too early, ask in a different order, or return the wrong response. "
          "Await the response of /open_door, then the response of /go_home, and return the second response."),
-    Case("a door that stays closed", stops(("no key", "home")),
-         "You probably don't test opened.success. If it is False, return that response, and don't call /go_home."),
-    Case("a tank that cannot go home", stops(("open", "no fuel")),
+    Case("a door that stays closed", stops(door="no key"),
+         "You probably don't test opened.success, or return a new response. If opened.success is False, return opened, "
+         "and don't call /go_home."),
+    Case("a tank that cannot go home", stops(home="no fuel"),
          "You probably report success even if /go_home fails. Return the response of /go_home."),
-    Case("two pit stops, then unconfigure", twice,
+    Case("two pit stops", stops(count=2),
+         "You probably store something during the first pit stop. Call both services for each request."),
+    Case("after unconfigure", left,
          "You probably don't destroy everything. In unconfigure, destroy the service with node.destroy_service, "
          "and both clients with node.destroy_client."),
 ]  # fmt: skip

@@ -5,9 +5,9 @@ values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 
 
 - Their sum must not be above 2.5. The controller refuses values with a larger sum, and the reason contains the sum,
   such as `3.5`.
-- If both are set together, only the new values matter.
-- `limits()` returns the current values as a tuple, `(speed, turn)`.
-- In `unconfigure`, when the controller leaves the body, it removes its callback and undeclares both parameters.
+- If both are set together, only the new values matter. The controller ignores other parameters.
+- `limits()` returns the current values as a list or tuple, `(speed, turn)`.
+- In `unconfigure`, when the controller leaves the body, it removes its callbacks and undeclares both parameters.
 
 Hint 1: Look at what the callback gets: a list of the parameters that are being set, one or both. For a parameter that
 is not in the list, use its current value.
@@ -30,9 +30,10 @@ from typing import Any
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
 
+from tutorial.checks.engine.answer import name_of
 from tutorial.checks.engine.bench import Bench
 from tutorial.checks.engine.cases import Case, Cases, Run
-from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
@@ -70,27 +71,32 @@ class TrackLimits(SimpleController):
         self.node.undeclare_parameter("turn")
 
 
-def tried(*sets: dict[str, Any], reason: str = "") -> Run:
+def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
     """Observe whether the node accepts values, and the limits afterwards. All values in a dict are set together.
 
     Args:
         sets: the values to set, one dict after another.
         reason: a text that the reason of a refusal has to contain.
+        vetoed: whether a callback of other code, which runs last, refuses all values.
     """
 
     def case(trial: Trial) -> str:
         said = []
         with closing(Bench(trial)) as bench:
+            callbacks = bench.node._on_set_parameters_callbacks
+            method = name_of(callbacks[0])  # the learner's, if there is one, or rclpy's own
+            callbacks += [lambda _: SetParametersResult(successful=False)] * vetoed
             for values in sets:
                 if "width" in values:
                     bench.node.declare_parameter("width", 0.4)
                 given = [Parameter(name, value=value) for name, value in values.items()]
-                with trial.calling("check"), warnings.catch_warnings():
+                with trial.calling(method), warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # rclpy warns if the callback returns anything else
                     result = bench.node.set_parameters_atomically(given)
                 said.append("accepted" if result.successful else "refused")
                 if not result.successful and reason not in result.reason:
-                    said[-1] += f" with the reason {result.reason!r}"
+                    cause = f"A refusal's reason has to contain the sum of the new speed and turn: {reason}."
+                    raise Failure(method, Misuse(f"the reason is {result.reason!r}", cause))
             speed, turn = limits(trial, bench)
         return f"{', '.join(said)}: speed {speed:g}, turn {turn:g}"
 
@@ -98,12 +104,15 @@ def tried(*sets: dict[str, Any], reason: str = "") -> Run:
 
 
 def limits(trial: Trial, bench: Bench) -> tuple[float, float]:
-    """Return the learner's limits."""
+    """Return the learner's limits, which have to be the parameters' values."""
     with trial.calling("limits"):
         try:
             speed, turn = map(float, bench.learner.limits())
         except (TypeError, ValueError):
             raise Misuse("it does not return two numbers", "Return a tuple: (speed, turn).") from None
+        values = [bench.node.get_parameter(name).value for name in ("speed", "turn")]
+        if [speed, turn] != values:
+            raise Misuse(f"it returns {(speed, turn)}, but the parameters are {(*values,)}", STORED)
     return speed, turn
 
 
@@ -115,32 +124,46 @@ def described(trial: Trial) -> str:
             if not bench.node.has_parameter(name):
                 raise Misuse(f"there is no parameter {name!r}", "In configure, declare it on config.node.")
             descriptor = bench.node.describe_parameter(name)
-            ranges = [f"{each.from_value:g} to {each.to_value:g}" for each in descriptor.floating_point_range]
-            said.append(f"{name} {bench.node.get_parameter(name).value!r}, {', '.join(ranges) or 'no range'}")
+            ranges = [
+                f"{each.from_value:g} to {each.to_value:g}{f' in steps of {each.step:g}' if each.step else ''}"
+                for each in descriptor.floating_point_range
+            ]
+            parameter = bench.node.get_parameter(name)
+            kind = parameter.type_.name.lower()
+            said.append(f"{name} {parameter.value!r} ({kind}), {', '.join(ranges) or 'no range'}")
             said += ["no description"] * (not descriptor.description)
         return f"{', '.join(said)}; {bench.leave()}"
 
 
+STORED = (
+    "You probably return the values in a different order, or values that are stored too early, or only once. "
+    "Return both values of self.node.get_parameter(name).value: refused values never get there."
+)
 ALONE = (
-    "You probably use only the new values, or only the current ones. Use the new value of each parameter that is in "
-    "the list, and the current value of each other parameter."
+    "You probably use only the new values, or only the current ones, or test before you know all new values. Use the "
+    "new value of each parameter that is in the list, and the current value of each other parameter. Then test once."
 )
 CASES = [
     Case("the parameters, until unconfigure", described,
-         "Declare both with a value, a description and a range, as doubles. In unconfigure, "
-         "remove the callback and undeclare both parameters.", crashes=True),
+         "Declare both as doubles, with a value, a description and a range without steps. In unconfigure, "
+         "remove the callbacks and undeclare both parameters.", crashes=True),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "You probably refuse too much, don't return a SetParametersResult, or limits() returns old values. "
-         "If the sum is at most 2.5, return SetParametersResult(successful=True)."),
+         "You probably expect both parameters in the list, refuse too much, or don't return a SetParametersResult. "
+         "If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
          "You probably refuse 2.5 itself, or test each parameter separately. Refuse only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),
-         "You probably use the first value of speed, compare with a different limit, or return a reason without the "
-         "sum. Add the new turn and the current speed."),
-    Case("both at once, 0.4 and 2.0", tried({"speed": 0.4, "turn": 2.0}), ALONE),
+         "You probably add no callback, use the first value of speed, or compare with a different limit. "
+         "Add the new turn and the current speed."),
+    Case("turn 1.5, then speed 2.0", tried({"turn": 1.5}, {"speed": 2.0}, reason="3.5"),
+         "You probably use the first value of turn, or test only if turn is in the list. "
+         "Add the new speed and the current turn."),
+    Case("both at once, 0.4 and 2.0", tried({"turn": 2.0, "speed": 0.4}), ALONE),
+    Case("turn 1.5, then both at once, 2.0 and 0.4", tried({"turn": 1.5}, {"speed": 2.0, "turn": 0.4}), ALONE),
     Case("both at once, 2.0 and 0.6", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
          "You probably test each parameter separately. Test the sum once, with all new values."),
     Case("a parameter of other code", tried({"width": 9.0, "turn": 0.7}),
          "You probably expect only your own parameters in the list. Ignore the other parameters.", crashes=True),
+    Case("speed 1.5, refused by a callback of other code", tried({"speed": 1.5}, vetoed=True)),
 ]  # fmt: skip
 tune = Exercise("tune", __doc__, Cases(TrackLimits, CASES, [], ALONE, one_by_one=True))

@@ -71,6 +71,12 @@ class Sampled(AngleServer):
         return self.text
 
 
+class ForgetsReturn(AngleServer):
+    def on_angle(self, request, response):
+        response.message = f"{self.ask(lambda: None, timeout=0.5):.2f} rad"
+        return response
+
+
 class Polls(AngleServer):
     """Post, and look whether the answer is there."""
 
@@ -83,6 +89,46 @@ class Polls(AngleServer):
 
         threading.Thread(target=fetch, daemon=True).start()
         return Trigger.Response(success=bool(texts), message="".join(texts))
+
+
+class Displayed(AngleServer):
+    """Read the displayed body."""
+
+    def configure(self, config):
+        super().configure(config)
+        self.joint = config.body.joint("TURRET_Y")
+
+    def initialize(self, io):
+        self.io = io
+
+
+class DisplayedOnly(Displayed):
+    def initialize(self, io):
+        pass
+
+
+class Later(AngleServer):
+    """Have the main thread fill in the response, and return it before."""
+
+    def configure(self, config):
+        super().configure(config)
+        self.call_later = config.call_later
+
+    def on_angle(self, request, response):
+        self.call_later(setattr, response, "message", "0.25 rad")
+        return response
+
+
+class Cached(AngleServer):
+    """Respond with the value of the last step."""
+
+    angle = 0.0
+
+    def control(self):
+        self.angle = self.joint.position
+
+    def on_angle(self, request, response):
+        return Trigger.Response(success=True, message=f"{self.angle:.2f} rad")
 
 
 SUCCESS, CATCHES = "response.success = True", "except RefusedError as refusal:"
@@ -101,12 +147,24 @@ WRONG = [
     ),
     (edited(answer, ("str(refusal)", "'no'")), "set message to the error's text"),
     (edited(answer, ("return response", "pass")), "You probably forgot return"),
-    (edited(answer, (SUCCESS, "pass")), "read the joint on the executor's thread"),
+    (edited(answer, (SUCCESS, "pass")), "set response.success = True"),
+    (edited(answer, ("timeout=0.5", "timeout=0.8")), "or use a different one"),
+    (edited(answer, ("timeout=0.5", "timeout=0.1")), "or use a different one"),
+    (edited(answer, ("{self.joint.position:.2f}", "{round(self.joint.position, 2)}")), "two decimals"),
+    (edited(answer, (":.2f} rad", ":.1f} rad")), "two decimals"),
+    (edited(answer, (":.2f} rad", ":.2f}")), "and the unit"),
+    (edited(answer, ("self.joint.position", "(self.joint.position * 57.2958)")), "already in radians"),
+    (edited(answer, ("TURRET_Y", "TURRET_P")), "a different joint"),
     (edited(answer, ("{config.body.name}", "Tank")), "with a different name or type"),
     (edited(answer, (SERVICE, "pass")), "You probably don't create the service"),
-    (edited(answer, (":.2f} rad", "} rad")), "self.ask(self.read, timeout=0.5)"),
+    (edited(answer, (":.2f} rad", "} rad")), "two decimals"),
     (edited(answer, ("self.node.destroy_service(self.service)", "pass")), "self.node.destroy_service"),
-    (edited(answer, (ASK, "self.ask(self.read(), timeout=0.5)")), "read the joint on the executor's thread"),
-    (Sampled, "or read it only once"),
-    (Polls, "read the joint on the executor's thread"),
+    (edited(answer, (ASK, "self.ask(self.read(), timeout=0.5)")), "Pass it without parentheses"),
+    (ForgetsReturn, "probably lacks return"),
+    (Sampled, "read the joint only once"),
+    (Polls, "before anything fills it in"),
+    (Later, "before anything fills it in"),
+    (Cached, "never call config.ask"),
+    (Displayed, "read the displayed body"),
+    (DisplayedOnly, "config.body is the displayed body"),
 ]

@@ -1,11 +1,14 @@
 """The exercise `ask`: right answers in various styles, and wrong ones."""
 
 import threading
+from contextlib import suppress
 
+import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from std_srvs.srv import Trigger
 
 from tutorial.checks.ask import PitCrew, ask
+from tutorial.errors import RefusedError
 
 from . import edited
 
@@ -72,7 +75,14 @@ class FuturesFirst(PitCrew):
         return future.result()
 
 
-RIGHT = [OneGroupForAll, ServiceInItsOwnGroup, InSteps, FuturesFirst]
+class WaitsForTheServices(PitCrew):
+    def configure(self, config):
+        super().configure(config)
+        self.open_door.wait_for_service()
+        self.go_home.wait_for_service(timeout_sec=1.0)
+
+
+RIGHT = [OneGroupForAll, ServiceInItsOwnGroup, InSteps, FuturesFirst, WaitsForTheServices]
 
 
 class OnAThread(PitCrew):
@@ -94,6 +104,56 @@ class WithADoneCallback(PitCrew):
         return response
 
 
+class CreatesClientsLate(PitCrew):
+    """Create the clients at the first request."""
+
+    def configure(self, config):
+        self.node, self.group = config.node, MutuallyExclusiveCallbackGroup()
+        self.service = self.node.create_service(Trigger, "/pit_stop", self.on_pit_stop)
+
+    async def on_pit_stop(self, request, response):
+        self.open_door = self.node.create_client(Trigger, "/open_door", callback_group=self.group)
+        self.go_home = self.node.create_client(Trigger, "/go_home", callback_group=self.group)
+        self.open_door.wait_for_service()
+        return await super().on_pit_stop(request, response)
+
+
+class OnASecondNode(PitCrew):
+    """Create the clients on a second node, whose thread would receive the responses."""
+
+    def configure(self, config):
+        super().configure(config)
+        self.node.destroy_client(self.go_home)
+        self.other = rclpy.create_node("second", context=self.node.context)
+        self.go_home = self.other.create_client(Trigger, "/go_home")
+
+
+class AsksTheSimulation(PitCrew):
+    def configure(self, config):
+        super().configure(config)
+        self.ask = config.ask
+
+    def on_pit_stop(self, request, response):
+        return self.ask(self.open_door.call, request)
+
+
+class AsksTheSimulationAnyway(AsksTheSimulation):
+    def on_pit_stop(self, request, response):
+        with suppress(RefusedError):
+            return super().on_pit_stop(request, response)
+        return response
+
+
+class OnlyOnce(PitCrew):
+    """Open the door only for the first pit stop."""
+
+    opened = None
+
+    async def on_pit_stop(self, request, response):
+        self.opened = self.opened or await self.open_door.call_async(request)
+        return await self.go_home.call_async(request) if self.opened.success else self.opened
+
+
 CALL = ("await self.open_door.call_async(", "self.open_door.call("), (f"await {HOME}", "self.go_home.call(_request)")
 TOO_EARLY = "return too early, ask in a different order, or return the wrong response"
 LEFT = "don't destroy everything"
@@ -103,13 +163,28 @@ WRONG = [
         edited(ask, SYNC, *CALL, ("call(Trigger.Request()", "call(_request, timeout_sec=0.1")),
         "wait for a response that cannot arrive",
     ),
-    (edited(ask, OWN_GROUP), "callback group of their own"),
+    (edited(ask, OWN_GROUP), "separate callback group"),
     (edited(ask, ("opened = await", "opened =")), "Write await before it"),
     (edited(ask, SYNC, (f"await {OPEN}", f"{OPEN}.result()"), ("await ", "")), "no result before it is done"),
     (WithADoneCallback, TOO_EARLY),
     (edited(ask, (OPEN, "self.second"), (HOME, OPEN), ("self.second", HOME)), TOO_EARLY),
     (edited(ask, (f"return await {HOME}", f"await {HOME}\nreturn opened")), TOO_EARLY),
     (edited(ask, (f"return await {HOME}", f"await {HOME}")), "forgot return"),
+    (edited(ask, ("return opened", "return None")), "forgot return"),
+    (edited(ask, ("return opened", "return opened.message")), "or return something else"),
+    (edited(ask, (", _response: Trigger.Response", "")), "with two arguments"),
+    (edited(ask, (f"return await {HOME}", f"return {HOME}")), "call_async returns a future"),
+    (edited(ask, SYNC, (f"opened = await {OPEN}", f"return {OPEN}"), ("await ", "")), "call_async returns a future"),
+    (
+        edited(ask, (f"opened = await {OPEN}", f"calls = {OPEN}, {HOME}\nopened = await calls[0]")),
+        "Await each response before you call the next service",
+    ),
+    (CreatesClientsLate, "create one client for each service, on config.node"),
+    (OnASecondNode, "create one client for each service, on config.node"),
+    (edited(ask, ('"/go_home"', '"/Tank/go_home"')), "with the service's name"),
+    (AsksTheSimulation, "Fix this line first"),
+    (AsksTheSimulationAnyway, "config.ask is only for the simulation's thread"),
+    (OnlyOnce, "Call both services for each request"),
     (edited(ask, ("if not opened.success:", "if not opened:")), "don't test opened.success"),
     (edited(ask, (f"return await {HOME}", f"await {HOME}\n_response.success = True\nreturn opened")), TOO_EARLY),
     (

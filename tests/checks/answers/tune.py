@@ -67,7 +67,70 @@ class TogetherDeclared(TrackLimits):
         self.node.add_on_set_parameters_callback(self.check)
 
 
-RIGHT = [OneByOne, Keeps, Loops, TogetherDeclared]
+class AsAList(TrackLimits):
+    def limits(self):
+        return [*super().limits()]
+
+
+RIGHT = [OneByOne, Keeps, Loops, TogetherDeclared, AsAList]
+
+
+class Stores(TrackLimits):
+    """Store all new values in the callback."""
+
+    def configure(self, config):
+        self.now = {"speed": 1.0, "turn": 0.5}
+        super().configure(config)
+
+    def limits(self):
+        return tuple(self.now.values())
+
+    def check(self, parameters):
+        self.now.update({each.name: each.value for each in parameters if each.name in self.now})
+        return super().check([])
+
+
+class StoresAccepted(Stores):
+    """Store only values that the callback itself accepts, but other code may still refuse them."""
+
+    def check(self, parameters):
+        before = self.now.copy()
+        result = super().check(parameters)
+        self.now = self.now if result.successful else before
+        return result
+
+
+class OneAfterAnother(TrackLimits):
+    """Test the sum after each value."""
+
+    def check(self, parameters):
+        new = dict(zip(("speed", "turn"), self.limits()))
+        for each in parameters:
+            new[each.name] = each.value
+            if new["speed"] + new["turn"] > 2.5:
+                return SetParametersResult(successful=False, reason=f"{new['speed'] + new['turn']:g} is above 2.5")
+        return SetParametersResult(successful=True)
+
+
+class SpeedFirst(OneAfterAnother):
+    def check(self, parameters):
+        return super().check(sorted(parameters, key=lambda each: each.name))
+
+
+class LeavesACallback(Keeps):
+    def unconfigure(self):
+        TrackLimits.unconfigure(self)
+
+
+class DeclaresLast(TrackLimits):
+    def configure(self, config):
+        config.node.add_on_set_parameters_callback(self.check)
+        super().configure(config)
+
+
+FIRST_TURN = ("self.limits()))", "(self.limits()[0], 0.5)))")
+IF_TURN = ("if total > 2.5:", "if total > 2.5 and 'turn' in [each.name for each in parameters]:")
+BOTH = ("if each.name in new})", "if each.name in new})\nnew = {each.name: each.value for each in parameters}")
 
 WRONG = [
     (edited(tune, (NEW, "pass")), "Add the new turn and the current speed"),
@@ -79,7 +142,7 @@ WRONG = [
     ),
     (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "You probably use only the new values"),
     (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
-    (edited(tune, (f", {REASON}", "")), "return a reason without the sum"),
+    (edited(tune, (f", {REASON}", "")), "has to contain the sum of the new speed and turn: 3.5"),
     (
         edited(tune, ("return SetParametersResult(successful=True)", "return True")),
         "don't return a SetParametersResult",
@@ -96,4 +159,15 @@ WRONG = [
         "or test each parameter separately",
     ),
     (edited(tune, ("> 2.5", ">= 2.5")), "You probably refuse 2.5 itself"),
+    (edited(tune, FIRST_TURN), "first value of turn"),
+    (edited(tune, IF_TURN), "test only if turn is in the list"),
+    (edited(tune, BOTH), "expect both parameters in the list"),
+    (edited(tune, ("to_value=2.0", "to_value=2.0, step=0.1")), "a range without steps"),
+    (edited(tune, ('self.node.get_parameter("speed").value, self.node', "1.0, self.node")), "or only once"),
+    (Stores, "stored too early"),
+    (StoresAccepted, "stored too early"),
+    (OneAfterAnother, "before you know all new values"),
+    (SpeedFirst, "before you know all new values"),
+    (LeavesACallback, "remove the callback"),
+    (DeclaresLast, "add yours after all declarations"),
 ]

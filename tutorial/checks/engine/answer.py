@@ -18,6 +18,9 @@ _EMPTY = {
 }
 """The instructions that occur in a function that does nothing, or only raises an exception."""
 
+_HELP = {"initialize": " It gets the simulated body: io.body. In configure, config.body is the displayed body."}
+"""By a method's name, what the learner needs to know to write it."""
+
 _OURS = ("builtins", "tutorial.controller")
 _ENGINE = "tutorial.checks.engine."  # functions from here can be part of an answer's class
 
@@ -84,7 +87,7 @@ def check_has(answer: type, *methods: str) -> None:
         if not has(answer, method):
             raise Failure(method, Misuse(f"{answer.__name__} has no such method", _what_to_write(answer, method)))
         if is_empty(inspect.getattr_static(answer, method)):
-            raise Failure(method, Misuse("it is still empty", f"Write the method {method}."))
+            raise Failure(method, Misuse("it is still empty", f"Write the method {method}.{_HELP.get(method, '')}"))
 
 
 def classes_of(answer: Any) -> list[type]:
@@ -113,5 +116,4 @@ def _what_to_write(answer: type, part: str) -> str:
     made = getattr(vars(answer).get("__init__"), "__code__", None)
     if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
         return f"Its work is probably done in __init__. {NO_ARGUMENTS}"
-    more = " The simulated body is io.body." * (part == "initialize")
-    return f"Write the method {part}; it is part of the answer.{more}"
+    return f"Write the method {part}; it is part of the answer.{_HELP.get(part, '')}"

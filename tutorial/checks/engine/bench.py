@@ -2,18 +2,20 @@
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from itertools import chain
 from traceback import walk_stack, walk_tb
 from typing import Any
 
 from std_srvs.srv import Trigger
 
+from tutorial.checks.engine.answer import name_of
 from tutorial.checks.engine.bodies import bodies
 from tutorial.checks.engine.exceptions import endless
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 from tutorial.controller import ControllerConfig
-from tutorial.handoff import RequestQueue
+from tutorial.handoff import PATIENCE, RequestQueue, T, Ts
 from tutorial.ros.node_thread import SpinThread
 from tutorial.ros.watched_node import WatchedNode
 
@@ -24,7 +26,9 @@ UNANSWERED = (
     "You probably wait for a response that cannot arrive, or return before you have it. "
     "Await call_async in a coroutine, with the clients in a separate callback group."
 )
-NO_RETURN = "You probably forgot return. A service's callback always has to return a response."
+SIGNATURE = "rclpy calls a service's callback with two arguments, the request and an empty response."
+NO_RETURN = "You probably forgot return, or return something else. A service's callback always returns a response."
+HASTY = "Await each response before you call the next service."
 NOT_THERE = {
     "'Future'": "call_async returns a future, not the response. Write await before it, in a coroutine.",
     "'coroutine'": "Calling a coroutine function doesn't give you its result until you await the call. "
@@ -35,7 +39,19 @@ NOT_THERE = {
 """Likely causes of an exception, by a part of its text."""
 
 
-class _Thread(SpinThread[WatchedNode]):
+class _Node(WatchedNode):
+    """A node that has at most one call in progress."""
+
+    _future: Any = None
+
+    def _call_async(self, client: Any, call_async: Callable[..., Any], request: Any) -> Any:
+        if self._future is not None and not self._future.done():
+            raise Misuse(f"it calls {client.service_name} before the previous response has arrived", HASTY)
+        self._future = super()._call_async(client, call_async, request)
+        return self._future
+
+
+class _Thread(SpinThread[_Node]):
     """A node's thread that stores a callback's exception, so that the learner sees it, instead of logging it."""
 
     timeout = 0.5
@@ -63,30 +79,39 @@ class Bench:
     Args:
         trial: the trial that the bench belongs to.
         name: the body's name.
+        replies: by name, the services that the second program offers before `configure` runs. A service succeeds
+            unless its reply begins with "no".
 
     Attributes:
         trial: as given.
         node: the learner's node.
+        displayed: the displayed body.
         body: the simulated body, which does not move by itself.
         requests: the requests that wait for the simulation's thread.
         learner: the learner's controller.
         took: how long the last response took [s].
         asked: the names of the second program's services, in the order of the learner's requests.
+        timeouts: the timeouts of the learner's calls to ``config.ask`` [s].
 
     Raises:
         Failure: one of the learner's methods raised an exception. Every method of a bench can also raise this error.
     """
 
-    def __init__(self, trial: Trial, name: str = "Tank") -> None:
+    def __init__(self, trial: Trial, name: str = "Tank", **replies: str) -> None:
         self.trial, self.requests, self.asked, self.took = trial, RequestQueue(), list[str](), 0.0
-        self._own, self._other = _Thread(WatchedNode, f"tank_{id(trial)}"), _Thread(WatchedNode, "other")
+        self.timeouts = list[float]()
+        trial.is_timed = not replies  # configure may wait for the services, which rclpy checks every 0.25 s
+        self._own, self._other = _Thread(_Node, f"tank_{id(trial)}"), _Thread(_Node, "other")
         self.node = self._own.node
-        displayed, self.body = bodies(trial, "tank", name)
+        self.displayed, self.body = bodies(trial, "tank", name)
         self._before = self._made()
         try:
+            self._serve(replies)
             with trial.calling("__init__"):
                 self.learner = trial.answer()
-            self.do("configure", ControllerConfig(displayed, self.node, _drop, _drop, self.requests.ask))
+            self.do("configure", ControllerConfig(self.displayed, self.node, _drop, _drop, self._ask_simulation))
+            clients = [each for each in self.node.clients if each.service_name[1:] in replies]
+            self._wait(lambda: all(map(self._know_each_other, clients)))
         except BaseException:
             self.close()
             raise
@@ -96,11 +121,8 @@ class Bench:
         with self.trial.calling(method):
             getattr(self.learner, method)(*arguments)
 
-    def serve(self, **replies: str) -> None:
-        """Offer a service for each keyword, and wait for clients.
-
-        A service succeeds unless its reply begins with "no".
-        """
+    def _serve(self, replies: Mapping[str, str]) -> None:
+        """Offer the second program's services, and wait until the learner's node knows them."""
         for name, reply in replies.items():
 
             def answer(_request: Any, response: Any, name: str = name, reply: str = reply) -> Any:
@@ -110,13 +132,19 @@ class Bench:
                 return response
 
             self._other.node.create_service(Trigger, f"/{name}", answer)
-        self._wait(lambda: all(self._know_each_other(client) for client in self.node.clients))
+        self._wait(lambda: all(self.node.count_services(f"/{name}") for name in replies))
+
+    def _ask_simulation(self, function: Callable[[*Ts], T], /, *arguments: *Ts, timeout: float = PATIENCE) -> T:
+        self.timeouts.append(timeout)
+        return self.requests.ask(function, *arguments, timeout=timeout)
 
     def ask(self, service: str) -> str:
         """Make a request, and describe the response."""
         client = self._other.node.create_client(Trigger, service)
         if not self._wait(lambda: client.service_is_ready() and self.node.count_clients(service)):
-            raise Failure("configure", Misuse(f"there is no service {service} of the type Trigger", NO_SERVICE))
+            others = ", ".join(sorted(self._made() - self._before)) or "nothing"
+            text = f"there is no service {service} of the type Trigger; it creates {others}"
+            raise Failure("configure", Misuse(text, NO_SERVICE))
         began = time.monotonic()
         future = client.call_async(Trigger.Request())
         self._wait(lambda: future.done() or self._own.error or self.node.deadlocks())
@@ -156,9 +184,11 @@ class Bench:
         return Failure(service, Misuse("no response arrives", UNANSWERED))
 
     def _made(self) -> set[str]:
-        names = {f"the service {each.srv_name}" for each in self.node.services}
-        names |= {f"the client of {each.srv_name}" for each in self.node.clients}
-        names |= {f"the callback {getattr(each, '__name__', '')}" for each in self.node._on_set_parameters_callbacks}
+        node = self.node
+        callbacks = node._pre_set_parameters_callbacks, node._on_set_parameters_callbacks
+        names = {f"the service {each.service_name}" for each in node.services}
+        names |= {f"the client of {each.service_name}" for each in node.clients}
+        names |= {f"the callback {name_of(each)}" for each in chain(*callbacks, node._post_set_parameters_callbacks)}
         return names | {f"the parameter {name}" for name in self.node.get_parameters_by_prefix("")}
 
     def _wait(self, condition: Callable[[], object]) -> bool:
@@ -178,13 +208,23 @@ def _from_callback(trial: Trial, error: BaseException) -> Failure:
     frames = [*walk_tb(trace)]
     place = trial.place(reversed(frames))
     if place is None:
-        return Failure(
-            "a callback", Misuse(f"ROS 2 cannot send the response: {error or type(error).__name__}", NO_RETURN)
-        )
+        return _unsent(error)
     is_own = frames[-1][0].f_code.co_filename in trial.watched  # not raised by a function that it calls
     cause = next((cause for part, cause in NOT_THERE.items() if is_own and part in str(error)), None)
     text = f"it raises {type(error).__name__}: {error}"
     return Failure(place.function, Misuse(text, cause) if cause else error.with_traceback(trace), place)
+
+
+def _unsent(error: BaseException) -> Failure:
+    """Return the failure if rclpy could not call a service's callback, or could not send the returned object."""
+    *_, (frame, _) = walk_tb(error.__traceback__)
+    if frame.f_code.co_name != "send_response":
+        return Failure("a callback", Misuse(f"calling it raises {type(error).__name__}: {error}", SIGNATURE))
+    service, returned = frame.f_locals["self"], frame.f_locals["response"]
+    method, kind = name_of(service.callback), type(returned).__name__
+    if returned is None:
+        return Failure(method, Misuse("it returns None", NO_RETURN))
+    return Failure(method, Misuse(f"it returns a {kind}", NOT_THERE.get(f"'{kind}'", NO_RETURN)))
 
 
 def _drop(*_: object) -> None:

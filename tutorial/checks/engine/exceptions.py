@@ -43,6 +43,12 @@ _CAUSES = {
     r"AttributeError: type object '(\w+)'": _CLASS,
     r"AttributeError: .* has no attribute '(?:nano)?sec'": "The stamp is probably a number, or a Time that "
     "is not a message. Convert it to a message: Time(nanoseconds=self.io.time_ns).to_msg().",
+    r"ParameterNotDeclaredException": "No such parameter is declared yet. Declaring a parameter calls the callbacks, "
+    "too: add yours after all declarations.",
+    r"TypeError: the first argument must be callable": "You probably call the function immediately. Pass it without "
+    "parentheses, as in self.ask(self.read).",
+    r"TypeError: unsupported format string passed to NoneType": "The number is None: the function that returns it "
+    "probably lacks return.",
     r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict. Use a tuple of numbers, or a name.",
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
