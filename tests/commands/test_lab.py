@@ -183,7 +183,7 @@ def test_a_checkout_stays_unchanged(shipped, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda here: (here / "tank-tutorial").write_text(""), r"be copied to .*tank-tutorial: .*\. Go to your own folder"),
+        (lambda here: (here / "tank-tutorial").write_text(""), r"be copied to .*tank-tutorial: .*\. Go to your own"),
         (lambda here: own_course(), r"tank-tutorial belongs to another user\. Go to your own folder"),
     ],
 )

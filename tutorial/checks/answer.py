@@ -47,18 +47,18 @@ DISPLAYED, FIRST, DURING, BARREL = 3.33, 5.55, 9.99, 7.77  # [rad] angles that a
 
 ASK = "Have the simulation's thread read the joint for each request: self.ask(self.read, timeout=0.5)."
 READ = {
-    DISPLAYED: "You probably read the displayed body, config.body. The simulated body is io.body in initialize.",
-    FIRST: f"You probably read the joint only once, in initialize. {ASK}",
-    DURING: f"You probably read the joint on the executor's thread, in the middle of a step. {ASK}",
-    BARREL: "You probably read a different joint. The turret's joint is TURRET_Y.",
+    DISPLAYED: "Your code probably reads the displayed body, config.body. The simulated body is io.body in initialize.",
+    FIRST: f"Your code probably reads the joint only once, in initialize. {ASK}",
+    DURING: f"Your code probably reads the joint on the executor's thread, in the middle of a step. {ASK}",
+    BARREL: "Your code probably reads a different joint. The turret's joint is TURRET_Y.",
 }
 """The likely cause of each wrong angle."""
 FORMAT = 'The number is right. Write it with two decimals, even if they are 0, and the unit: f"{angle:.2f} rad".'
-DEGREES = "You probably convert the angle to degrees. The joint's position is already in radians."
+DEGREES = "Your code probably converts the angle to degrees. The joint's position is already in radians."
 FAILED = "The angle is right, but success is False. When ask has returned, set response.success = True."
 EMPTY = (
-    "You probably return the response before anything fills it in. call_later returns immediately, without a result; "
-    "ask waits for it. Set success and message, then return the response."
+    "Your code probably returns the response before anything fills it in. call_later returns immediately, without a "
+    "result; ask waits for it. Set success and message, then return the response."
 )
 NEVER = f"You never call config.ask. {ASK}"
 
@@ -171,17 +171,17 @@ def left(trial: Trial) -> str:
         return bench.leave()
 
 
-WHERE = f"You probably read the joint on the executor's thread, in the middle of a step, or read it only once. {ASK}"
+WHERE = f"Your code probably reads the joint in the middle of a step, on the executor's thread, or only once. {ASK}"
 HOW = "Pass the request to the simulation's thread, and wait for the answer: self.ask(self.read, timeout=0.5)."
 CASES = [
     Case("in a simulation, the turret at 0.25 rad", read("Tank", 0.25), WHERE),
     Case("on the body Rover, in two simulations", read("Rover", -0.5, 1.0), WHERE),
     Case("without a simulation", refused,
-         "You probably report success or your own text, or don't catch the error. If ask raises a RefusedError, "
-         "set message to the error's text, and success to False.", crashes=True),
+         "Your code probably reports success or its own text, or doesn't catch the error. If ask raises a "
+         "RefusedError, set message to the error's text, and success to False.", crashes=True),
     Case("while a step takes 1.2 s", late,
-         "You probably omit the timeout, or use a different one. Write self.ask(self.read, timeout=0.5)."),
+         "Your code probably omits the timeout, or uses a different one. Write self.ask(self.read, timeout=0.5)."),
     Case("after unconfigure", left,
-         "You probably don't destroy the service. In unconfigure: self.node.destroy_service(self.service)."),
+         "Your code probably doesn't destroy the service. In unconfigure: self.node.destroy_service(self.service)."),
 ]  # fmt: skip
 answer = Exercise("answer", __doc__, Cases(AngleServer, CASES, [], HOW, one_by_one=True))

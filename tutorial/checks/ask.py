@@ -107,17 +107,17 @@ def left(trial: Trial) -> str:
 
 CASES = [
     Case("a pit stop", stops(),
-         "You probably return too early, ask in a different order, or return the wrong response. "
+         "Your code probably returns too early, calls in a different order, or returns the wrong response. "
          "Await the response of /open_door, then the response of /go_home, and return the second response."),
     Case("a door that stays closed", stops(door="no key"),
-         "You probably don't test opened.success, or return a new response. If opened.success is False, return opened, "
-         "and don't call /go_home."),
+         "Your code probably doesn't test opened.success, or returns a new response. If opened.success is False, "
+         "return opened, and don't call /go_home."),
     Case("a tank that cannot go home", stops(home="no fuel"),
-         "You probably report success even if /go_home fails. Return the response of /go_home."),
+         "Your code probably reports success even if /go_home fails. Return the response of /go_home."),
     Case("two pit stops", stops(count=2),
-         "You probably store something during the first pit stop. Call both services for each request."),
+         "Your code probably stores something during the first pit stop. Call both services for each request."),
     Case("after unconfigure", left,
-         "You probably don't destroy everything. In unconfigure, destroy the service with node.destroy_service, "
-         "and both clients with node.destroy_client."),
+         "Your code probably doesn't destroy everything. In unconfigure, destroy the service with "
+         "node.destroy_service, and both clients with node.destroy_client."),
 ]  # fmt: skip
 ask = Exercise("ask", __doc__, Cases(PitCrew, CASES, [], UNANSWERED, one_by_one=True))

@@ -136,11 +136,11 @@ def described(trial: Trial) -> str:
 
 
 STORED = (
-    "You probably return the values in a different order, or values that are stored too early, or only once. "
+    "limits() probably returns the values in a different order, or values that are stored too early, or only once. "
     "Return both values of self.node.get_parameter(name).value: refused values never get there."
 )
 ALONE = (
-    "You probably use only the new values, or only the current ones, or test before you know all new values. Use the "
+    "Your code probably uses only the new values, or only the current ones, or tests before it knows all new values. Use the "
     "new value of each parameter that is in the list, and the current value of each other parameter. Then test once."
 )
 CASES = [
@@ -148,22 +148,22 @@ CASES = [
          "Declare both as doubles, with a value, a description and a range without steps. In unconfigure, "
          "remove the callbacks and undeclare both parameters.", crashes=True),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "You probably expect both parameters in the list, refuse too much, or don't return a SetParametersResult. "
+         "The callback probably expects both parameters in the list, refuses too much, or doesn't return a SetParametersResult. "
          "If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
-         "You probably refuse 2.5 itself, or test each parameter separately. Refuse only a larger sum: > 2.5."),
+         "Your code probably refuses 2.5 itself, or tests each parameter separately. Refuse only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),
-         "You probably add no callback, use the first value of speed, or compare with a different limit. "
+         "Your code probably adds no callback, uses the first value of speed, or compares with a different limit. "
          "Add the new turn and the current speed."),
     Case("turn 1.5, then speed 2.0", tried({"turn": 1.5}, {"speed": 2.0}, reason="3.5"),
-         "You probably use the first value of turn, or test only if turn is in the list. "
+         "Your code probably uses the first value of turn, or tests only if turn is in the list. "
          "Add the new speed and the current turn."),
     Case("both at once, 0.4 and 2.0", tried({"turn": 2.0, "speed": 0.4}), ALONE),
     Case("turn 1.5, then both at once, 2.0 and 0.4", tried({"turn": 1.5}, {"speed": 2.0, "turn": 0.4}), ALONE),
     Case("both at once, 2.0 and 0.6", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
-         "You probably test each parameter separately. Test the sum once, with all new values."),
+         "Your code probably tests each parameter separately. Test the sum once, with all new values."),
     Case("a parameter of other code", tried({"width": 9.0, "turn": 0.7}),
-         "You probably expect only your own parameters in the list. Ignore the other parameters.", crashes=True),
+         "The callback probably expects only its own parameters in the list. Ignore the other parameters.", crashes=True),
     Case("speed 1.5, refused by a callback of other code", tried({"speed": 1.5}, vetoed=True)),
 ]  # fmt: skip
 tune = Exercise("tune", __doc__, Cases(TrackLimits, CASES, [], ALONE, one_by_one=True))

@@ -140,7 +140,7 @@ WRONG = [
         edited(tune, (" if each.name in new", ""), ('new["speed"] + new["turn"]', "sum(new.values())")),
         "Ignore the other parameters",
     ),
-    (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "You probably use only the new values"),
+    (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "Your code probably uses only the new values"),
     (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
     (edited(tune, (f", {REASON}", "")), "has to contain the sum of the new speed and turn: 3.5"),
     (
@@ -158,7 +158,7 @@ WRONG = [
         edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")),
         "or test each parameter separately",
     ),
-    (edited(tune, ("> 2.5", ">= 2.5")), "You probably refuse 2.5 itself"),
+    (edited(tune, ("> 2.5", ">= 2.5")), "Your code probably refuses 2.5 itself"),
     (edited(tune, FIRST_TURN), "first value of turn"),
     (edited(tune, IF_TURN), "test only if turn is in the list"),
     (edited(tune, BOTH), "expect both parameters in the list"),

@@ -21,9 +21,9 @@ from tutorial.ros.watched_node import WatchedNode
 
 LOOK = 0.01  # [s] between checks of a condition
 LOOKS = 500  # number of checks after which a request counts as unanswered
-NO_SERVICE = "You probably don't create the service in configure, or create it with a different name or type."
+NO_SERVICE = "Your code probably doesn't create the service in configure, or creates it with a different name or type."
 UNANSWERED = (
-    "You probably wait for a response that cannot arrive, or return before you have it. "
+    "Your code probably waits for a response that cannot arrive, or returns before it has the response. "
     "Await call_async in a coroutine, with the clients in a separate callback group."
 )
 SIGNATURE = "rclpy calls a service's callback with two arguments, the request and an empty response."

@@ -45,8 +45,8 @@ _CAUSES = {
     "is not a message. Convert it to a message: Time(nanoseconds=self.io.time_ns).to_msg().",
     r"ParameterNotDeclaredException": "No such parameter is declared yet. Declaring a parameter calls the callbacks, "
     "too: add yours after all declarations.",
-    r"TypeError: the first argument must be callable": "You probably call the function immediately. Pass it without "
-    "parentheses, as in self.ask(self.read).",
+    r"TypeError: the first argument must be callable": "Your code probably calls the function immediately. Pass it "
+    "without parentheses, as in self.ask(self.read).",
     r"TypeError: unsupported format string passed to NoneType": "The number is None: the function that returns it "
     "probably lacks return.",
     r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict. Use a tuple of numbers, or a name.",
