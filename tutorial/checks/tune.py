@@ -140,15 +140,15 @@ STORED = (
     "Return both values of self.node.get_parameter(name).value: refused values never get there."
 )
 ALONE = (
-    "Your code probably uses only the new values, or only the current ones, or tests before it knows all new values. Use the "
-    "new value of each parameter that is in the list, and the current value of each other parameter. Then test once."
+    "Your code probably uses only the new values, or only the current ones, or tests before it knows all new values. "
+    "Use the new value of each parameter that is in the list, and the current value of each other parameter. Then test once."
 )
 CASES = [
     Case("the parameters, until unconfigure", described,
          "Declare both as doubles, with a value, a description and a range without steps. In unconfigure, "
          "remove the callbacks and undeclare both parameters.", crashes=True),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "The callback probably expects both parameters in the list, refuses too much, or doesn't return a SetParametersResult. "
+         "The callback probably expects both parameters in the list, refuses too much, or returns no SetParametersResult. "
          "If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
          "Your code probably refuses 2.5 itself, or tests each parameter separately. Refuse only a larger sum: > 2.5."),
@@ -162,8 +162,8 @@ CASES = [
     Case("turn 1.5, then both at once, 2.0 and 0.4", tried({"turn": 1.5}, {"speed": 2.0, "turn": 0.4}), ALONE),
     Case("both at once, 2.0 and 0.6", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
          "Your code probably tests each parameter separately. Test the sum once, with all new values."),
-    Case("a parameter of other code", tried({"width": 9.0, "turn": 0.7}),
-         "The callback probably expects only its own parameters in the list. Ignore the other parameters.", crashes=True),
+    Case("a parameter that other code declared", tried({"width": 9.0, "turn": 0.7}),
+         "The callback probably expects only its own parameters in the list. Ignore other parameters.", crashes=True),
     Case("speed 1.5, refused by a callback of other code", tried({"speed": 1.5}, vetoed=True)),
 ]  # fmt: skip
 tune = Exercise("tune", __doc__, Cases(TrackLimits, CASES, [], ALONE, one_by_one=True))
