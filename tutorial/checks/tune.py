@@ -141,15 +141,15 @@ STORED = (
 )
 ALONE = (
     "Your code probably uses only the new values, or only the current ones, or tests before it knows all new values. "
-    "Use the new value of each parameter that is in the list, and the current value of each other parameter. Then test once."
+    "Use the new value of each parameter that is in the list, and the current value of the other one. Then test once."
 )
 CASES = [
     Case("the parameters, until unconfigure", described,
          "Declare both as doubles, with a value, a description and a range without steps. In unconfigure, "
          "remove the callbacks and undeclare both parameters.", crashes=True),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "The callback probably expects both parameters in the list, refuses too much, or returns no SetParametersResult. "
-         "If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
+         "The callback probably expects both parameters in the list, refuses too much, or returns no "
+         "SetParametersResult. If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
          "Your code probably refuses 2.5 itself, or tests each parameter separately. Refuse only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),

@@ -155,13 +155,13 @@ class OnlyOnce(PitCrew):
 
 
 CALL = ("await self.open_door.call_async(", "self.open_door.call("), (f"await {HOME}", "self.go_home.call(_request)")
-TOO_EARLY = "return too early, ask in a different order, or return the wrong response"
-LEFT = "don't destroy everything"
+TOO_EARLY = "returns too early, calls in a different order, or returns the wrong response"
+LEFT = "doesn't destroy everything"
 WRONG = [
-    (edited(ask, SYNC, *CALL), "wait for a response that cannot arrive"),
+    (edited(ask, SYNC, *CALL), "waits for a response that cannot arrive"),
     (
         edited(ask, SYNC, *CALL, ("call(Trigger.Request()", "call(_request, timeout_sec=0.1")),
-        "wait for a response that cannot arrive",
+        "waits for a response that cannot arrive",
     ),
     (edited(ask, OWN_GROUP), "separate callback group"),
     (edited(ask, ("opened = await", "opened =")), "Write await before it"),
@@ -185,7 +185,7 @@ WRONG = [
     (AsksTheSimulation, "Fix this line first"),
     (AsksTheSimulationAnyway, "config.ask is only for the simulation's thread"),
     (OnlyOnce, "Call both services for each request"),
-    (edited(ask, ("if not opened.success:", "if not opened:")), "don't test opened.success"),
+    (edited(ask, ("if not opened.success:", "if not opened:")), "doesn't test opened.success"),
     (edited(ask, (f"return await {HOME}", f"await {HOME}\n_response.success = True\nreturn opened")), TOO_EARLY),
     (
         edited(ask, (f"return await {HOME}", f"home = await {HOME}\nhome.success = True\nreturn home")),

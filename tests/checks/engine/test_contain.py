@@ -72,7 +72,7 @@ class HaltsPython(GentleTank):
 
 
 ENDS = [
-    (TakesLong, "✗ the calls to control take too long", "in control, line ", "return at once"),
+    (TakesLong, "✗ the calls to control take too long", "in control, line ", "return immediately"),
     (EndsTheProcess, "✗ the process exited with status 3", "as os._exit does", "only has to return"),
     (Crashes, "✗ the process was killed by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
     (Floods, "✗ control does not return", "  | here I am", "it needs no loop"),
