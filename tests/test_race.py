@@ -100,7 +100,7 @@ def test_a_cut_corner_ends_the_race_with_that_reason():
     corner = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)]
     race = drive(corner, (0, 0), (1, 0), (2, 1), (2, 2), speed=0.2)
     assert (race.result.end, race.result.progress < 0.5) == (CUT, True)
-    race = drive(CROSSING, (0, 0), (1, 0), *[(1, 0), (1, 0.2)] * 30, speed=0.5)
+    race = drive(CROSSING, (0, 0), (1, 0), *[(1, 0), (1, 0.05)] * 100, speed=0.5)
     assert race.result.end == STUCK, "near the crossing, but on no later part of the line"
 
 

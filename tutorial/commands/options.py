@@ -44,7 +44,9 @@ report_option = click.option(
     envvar="TANK_REPORT",
     help="Write measurements to DIR/NODE.json.",
 )
-LAYOUT = "Race along this line: a name, or a YAML file, such as 'points: [[-2, -0.5], [0, -0.5], [2.5, -0.2]]'."
+LAYOUT = (
+    "Race along this line: a name, or a YAML file, such as 'points: [[-2, -0.5], [0, -1], [2, -1.3], [2.6, -0.5]]'."
+)
 headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Don't show the 3D view.")
 
 

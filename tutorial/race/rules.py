@@ -12,7 +12,7 @@ SPACING = 0.01  # [m] between the points of the line
 SAMPLE = 10  # number of points per point that is checked for a cut corner
 PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
 PAUSE = 0.5  # [s] how long a contact must be interrupted before it counts again
-SKIPPED = 1.0  # [m] length of the line that a tank has to follow beyond a missed point until it has cut a corner
+SKIPPED = 0.7  # [m] length of the line that a tank has to follow beyond a missed point until it has cut a corner
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
 POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
