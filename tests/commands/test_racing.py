@@ -156,7 +156,9 @@ def test_drivers_with_the_same_file_name_are_named_by_their_folders(given, names
 
 def test_the_remarks_name_what_was_wrong():
     fine = racing.Entry("ada.py", "bend", Result(), real_time=1.0)
-    slow = racing.Entry("ben\n.py", "bend", Result(touched=("Lab/CRATE after 1.5 s",)), "1 / 0", real_time=0.5)
+    slow = racing.Entry(
+        "ben\n.py", "bend", Result(seconds=2.0, touched=("Lab/CRATE after 1.5 s",)), "1 / 0", real_time=0.5
+    )
     assert remarks([fine, slow]).splitlines() == [
         "ben\\n.py: 1 / 0",
         "ben\\n.py: raced at 0.50 times real time: race again with nothing else running on this machine",

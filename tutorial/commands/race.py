@@ -87,7 +87,7 @@ def table(entries: list[Entry]) -> Table:
 
     rows = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("driver", "layout", "progress", "time", "end", "contacts", "score"):
-        rows.add_column(heading, justify="left" if heading in ("driver", "layout", "end") else "right")
+        rows.add_column(heading, justify="left" if heading in ("driver", "layout", "end") else "right", overflow="fold")
     for entry in sorted(entries, key=lambda each: -each.result.score):
         result = entry.result
         names = (printable(entry.driver), printable(entry.layout))

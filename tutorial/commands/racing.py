@@ -78,7 +78,7 @@ class Entry:
     @property
     def warning(self) -> str:
         """A warning if the machine was too slow for a fair race; otherwise an empty string."""
-        if not 0 < self.real_time < SLOW:
+        if self.real_time >= SLOW or self.result.seconds < 1:  # a shorter race measures little else than its start
             return ""
         return f"raced at {self.real_time:.2f} times real time: race again with nothing else running on this machine"
 
@@ -149,6 +149,8 @@ class Driver:
         self._reader.join(STOP_WITHIN)
         if not self._process.returncode:
             return "the driver's program has ended"
+        if self._process.returncode == -signal.SIGKILL:
+            return "the driver's program was killed, for instance because its processes used too much memory"
         last = next((line for line in reversed(self._lines) if line.strip()), "")
         return printable(last.strip()) or f"the driver's program has ended with status {self._process.returncode}"
 
