@@ -82,7 +82,7 @@ class CallQueue:
         trace: records when each call is posted and when it runs; None to record nothing.
 
     Attributes:
-        error: the last error that a call raised (even SystemExit), or None.
+        error: the last error that a call raised (even SystemExit); None without errors.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, trace: HandoffTrace | None = None) -> None:

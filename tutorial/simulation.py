@@ -67,7 +67,7 @@ class Simulation:
         bodies, model, time_step: those of the world.
         snapshot: the world's newest state, for other threads.
         state: the current state.
-        error: the last error of a controller since the last start, or None.
+        error: the last error of a controller since the last start; None without errors.
         rest: the pause between batches of steps in real time [s]. A longer pause saves CPU time.
 
     Raises:

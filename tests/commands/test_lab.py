@@ -155,7 +155,7 @@ def test_changed_files_stay_and_missing_ones_are_added(shipped, caplog):
     (shipped / "notebooks" / "4_imu_publisher.ipynb").write_text("a later version's")
     caplog.set_level(logging.INFO)
     assert own_course() == own_course() == course
-    assert caplog.messages == [f"added the missing course files to {course}; your changes there are kept"]
+    assert caplog.messages == [f"added the missing course files to {course}; your changes there remain"]
     names = ("0_setup.ipynb", "mine.ipynb", "4_imu_publisher.ipynb")
     assert files_in(course / "notebooks") == dict(zip(names, ("my answers", "my own", "a later version's")))
 

@@ -21,7 +21,7 @@ LARGEST = 2**20  # [bytes], a thousand times the usual size
 
 
 class _File(msgspec.Struct):
-    """The content of the file: the day when each exercise was solved. Values of other types are kept unchanged."""
+    """The content of the file: the day when each exercise was solved. Values of other types stay unchanged."""
 
     solved: dict[str, Any]
 

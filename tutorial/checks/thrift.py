@@ -71,7 +71,7 @@ class ThriftyPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("your first message lacks joints. Nothing was sent before it: "
+    Mistake("your first message lacks joints. Before it, nothing was sent: "
             "start with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),

@@ -45,7 +45,7 @@ def own_course() -> Path:
     except OSError as error:
         raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {elsewhere}") from error
     if added:
-        _log.info("added the missing course files to %s; your changes there are kept", course)
+        _log.info("added the missing course files to %s; your changes there remain", course)
     return course
 
 

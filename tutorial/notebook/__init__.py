@@ -188,7 +188,7 @@ def side_by_side(*widgets: Widget | Sequence[Widget]) -> SideBySide:
     """Show widgets in a row. On a narrow page, 3D views are stacked.
 
     Args:
-        widgets: the widgets to show; a list of widgets is shown as a column.
+        widgets: the widgets to show; a list of widgets becomes a column.
     """
     return SideBySide(*(widget if isinstance(widget, Widget) else Column(widget) for widget in widgets))
 

@@ -90,7 +90,7 @@ class Program:
 
     @property
     def error(self) -> BaseException | None:
-        """The last exception of a callback or the simulation since the last start, or None."""
+        """The last exception of a callback or the simulation since the last start; None without exceptions."""
         return self.host.error
 
     def body(self, name: str = "Tank") -> Body:

@@ -16,7 +16,7 @@ def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseExce
         view: the view, which already contains the bodies.
         items: the bodies by name.
         note: text at the start of the line; can be empty.
-        error: the last error, or None.
+        error: the last error; None without errors.
     """
     for name, item in items.items():
         if item.take_dirty():

@@ -58,7 +58,7 @@ class BodyItem:
 
     Attributes:
         placement: the model and its position.
-        controllers: the classes of its controllers, in the order in which they run.
+        controllers: the classes of its controllers, in execution order.
     """
 
     placement: Placement
@@ -124,7 +124,7 @@ class Project:
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_model(self, body: str, model: Path) -> Project:
-        """Return a project in which a body has a different model, such as a different line.
+        """Return a project where a body has a different model, such as a different line.
 
         Args:
             body: the body's name.
@@ -145,11 +145,11 @@ class Project:
         return self._with(swap)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
-        """Return a project in which a body has these controllers instead of those in the project file.
+        """Return a project where a body has these controllers instead of those in the project file.
 
         Args:
             body: the body's name.
-            classes: the classes of its controllers, in the order in which they run; can be empty.
+            classes: the classes of its controllers, in execution order; can be empty.
 
         Raises:
             TutorialError: there is no such body, or an argument is not a controller's class.
@@ -161,7 +161,7 @@ class Project:
         return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
-        """Return a project in which a user's controllers replace the controllers with the same names.
+        """Return a project where a user's controllers replace the controllers with the same names.
 
         Args:
             classes: the classes by name. Base classes of other classes can have any name.

@@ -178,7 +178,7 @@ class SpinThread(Generic[AnyNode]):
 
     Attributes:
         node: the node.
-        error: the last exception that a callback raised (even SystemExit), or None.
+        error: the last exception that a callback raised (even SystemExit); None without exceptions.
         timeout: how long to wait for a running callback when the node is closed [s]; None to wait forever.
         full_name: the node's full name.
         alive: all instances in this process that are not closed, whatever their node's class.

@@ -59,7 +59,7 @@ class WatchedNode(MeteredNode):
     """A node that records its callbacks. Otherwise it behaves like rclpy's node.
 
     Attributes:
-        spans: the newest spans, in the order in which they began.
+        spans: the newest spans, sorted by their start.
         ended: the texts of the deadlocks that `end_deadlocks` has ended.
     """
 

@@ -33,7 +33,7 @@ class Style:
         legend: a description of the arrow.
         colour: as 0xRRGGBB.
         scale: the arrow's length [m] per unit.
-        threshold: the smallest value for which an arrow is drawn, in the unit.
+        threshold: the smallest value that has an arrow, in the unit.
         offset: the height of the arrow's start above the sensor [m].
     """
 

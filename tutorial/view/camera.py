@@ -79,7 +79,7 @@ class CameraRenderer:
     one log line reports the error, and no images are delivered.
 
     Attributes:
-        error: the last exception that an image callback raised, or None.
+        error: the last exception that an image callback raised; None without exceptions.
     """
 
     def __init__(self) -> None:

@@ -90,7 +90,7 @@ def _programs(answer: Any) -> str:
 
 def slept(method: str) -> str:
     """Return the advice for a method that sleeps."""
-    return f"Don't sleep or wait. {_returns(method) or 'Nothing else runs until it returns.'}"
+    return f"Don't sleep or wait. {_returns(method) or 'Until it returns, nothing else runs.'}"
 
 
 def endless(method: str) -> str:

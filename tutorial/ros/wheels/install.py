@@ -20,7 +20,7 @@ from tutorial.system.parent_watch import start_watched
 
 NEEDED = "450 MB"  # disk space needed while the wheels are unpacked
 DISK_FULL = "No space left on device"
-AGAIN = "Try again: finished downloads are kept."
+AGAIN = "Try again: finished downloads remain."
 
 ELSEWHERE = ("PIP_DRY_RUN", "PIP_PREFIX", "PIP_ROOT", "PIP_TARGET", "PIP_USER")
 """Settings of pip that would make it install to a different place."""

@@ -49,7 +49,7 @@ class Future:
         return self._result
 
     def exception(self) -> Exception | None:
-        """Return the exception that was set instead of a result, or None."""
+        """Return the exception that was set instead of a result; None without an exception."""
         self._exception_fetched = True
         return self._exception
 
