@@ -10,7 +10,7 @@ PAGE = Path(__file__).with_name("nothing_arrives.md")
 TABLE = re.compile(r"(?<=<!-- made by book/cause_table.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 CODE = re.compile(r"(rclpy\.spin\(node\)|/clock|\b(?:[A-Za-z]+_\w+|RELIABLE|VOLATILE|OFF|LOCALHOST|fg)\b)")
-"""Names from code in the rules' texts."""
+"""Names from code that appear in the rules' text."""
 
 SIGNS = {
     "python": "`python3 -c 'import rclpy'` raises an error.",

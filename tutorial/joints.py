@@ -254,7 +254,7 @@ class _Publishers:
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
 
     def _jumps_to_rival(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint moves further than its publisher could, to a position that may be a rival's."""
+        """Return whether a joint jumps further than its publisher could move it, perhaps to a rival's position."""
         reach = REACH + SPEED * ahead / SECOND_NS
         moved = {joint: abs(position - track.positions[joint]) for joint, position in positions.items()}
         far = [joint for joint in moved if moved[joint] > min(reach, self._half_range[joint])]

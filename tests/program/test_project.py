@@ -171,7 +171,7 @@ def test_a_missing_file_gets_the_nearest_name_as_a_suggestion(tmp_path, find, sa
 def test_a_file_that_is_not_text_is_reported_with_its_line(tmp_path):
     path = tmp_path / "project.yaml"
     path.write_bytes(b"\n\xff\xfe\x00")
-    with pytest.raises(TutorialError, match=r"project\.yaml, line 2: this is not a text file in UTF-8"):
+    with pytest.raises(TutorialError, match=r"project\.yaml, line 2: this is not a UTF-8 text file"):
         Project.load(path)
 
 

@@ -81,7 +81,7 @@ MISTAKES = [
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
     Mistake("your code waits for a second message with the same state (debouncing). "
-            "Put each message's state immediately.",
+            "Put the state of each message into self.fire immediately.",
             both(replace("self.fire = Latest(False)", "self.was, self.fire = None, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "pressed == self.was and self.fire.put(pressed)\nself.was = pressed"))),

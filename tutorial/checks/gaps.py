@@ -61,7 +61,7 @@ MISTAKES = [
             "may have been late: compare it with the newest so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
     Mistake("your code reports every jump backwards as a restart: "
-            "up to 1 s before the newest stamp, a message is only late.",
+            "a stamp up to 1 s older than the newest is only late.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
     Mistake("your code computes seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",

@@ -53,7 +53,7 @@ class ScriptedDrive:
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return the axes at a time [s] after the drive's start, without buttons."""
+        """Return the axes at a given time [s] since the drive's start, and no buttons."""
         if self._period:
             seconds %= self._period
         i = bisect_right(self._times, seconds) - 1

@@ -41,7 +41,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 )  # fmt: skip
 @click.option(
     "--replay", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
-    help="Write a page for each driver to DIR, which replays its race.",
+    help="For each driver, write a page to DIR that replays its race.",
 )  # fmt: skip
 def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, replay: Path | None, **how: Any) -> int:
     """Score each DRIVER, a Python file with a node that publishes on /joy.

@@ -29,6 +29,6 @@ class JointStateSubscriber(SimpleController):
         self.body.calc_forward_kinematics()
         self.body.notify_change(report)
 
-    def unconfigure(self) -> None:  # main thread; calls still queued will not run any more
+    def unconfigure(self) -> None:  # main thread; calls that are still queued will never run
         """Stop listening."""
         self.node.destroy_subscription(self.subscription)

@@ -111,7 +111,7 @@ def couplings_of(model: mujoco.MjModel) -> list[Coupling]:
 
 
 def active_equalities(model: mujoco.MjModel) -> list[int]:
-    """Return MuJoCo's ids of the equalities that are active at the start."""
+    """Return the MuJoCo ids of the equality constraints that are active at the start."""
     off = model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_EQUALITY)
     return [] if off else [i for i, active in enumerate(model.eq_active0.tolist()) if active]
 

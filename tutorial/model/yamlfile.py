@@ -146,4 +146,4 @@ def _read(path: Path, what: str) -> str:
         raise TutorialError(f"{path} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1
-        raise TutorialError(f"{path}, line {line}: this is not a text file in UTF-8: {error}") from error
+        raise TutorialError(f"{path}, line {line}: this is not a UTF-8 text file: {error}") from error

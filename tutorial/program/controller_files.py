@@ -40,7 +40,7 @@ def find_controller(name: str) -> type[SimpleController]:
         raise TutorialError(describe_error(error, file)) from error
     found = _classes_of(module)
     if name not in found:
-        rule = "A controller's class has the name of its file: imu_publisher.py holds ImuPublisher."
+        rule = "A controller class must be named after its file: imu_publisher.py contains ImuPublisher."
         raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {rule}")
     return found[name]
 

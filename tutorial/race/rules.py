@@ -9,7 +9,7 @@ from typing import Any
 LIMIT = 40.0  # [s] the longest race
 REACH = 0.3  # [m] how close the tank's middle has to come to a point of the line; the tracks are 0.54 m apart
 SPACING = 0.01  # [m] between the points of the line
-SAMPLE = 10  # number of points per point that is checked for a cut corner
+SAMPLE = 10  # check one point in this many for a cut corner
 PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
 PAUSE = 0.5  # [s] how long a contact must be interrupted before it counts again
 SKIPPED = 0.7  # [m] length of the line that a tank has to follow beyond a missed point until it has cut a corner

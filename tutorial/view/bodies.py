@@ -118,7 +118,7 @@ class View:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Return the values of a body's arrows as rows of numbers, without sensors that have not measured anything yet.
+        """Return the values of a body's arrows as rows of numbers, omitting sensors that have not measured yet.
 
         Returns:
             Rows of body, quantity, x, y, z, unit and legend.

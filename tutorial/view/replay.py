@@ -130,7 +130,7 @@ class ReplayRecorder:
         now = self._seconds()
         self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
         self._last_at = now
-        if self._time - self._times[-1] > 2 * FRAME:  # nothing has moved so far
+        if self._time - self._times[-1] > 2 * FRAME:  # nothing has moved since the last frame
             self._add(self._time - FRAME, b"", self._positions[-1])
         self._add(self._time, message, dict(self._joints()))
 

@@ -114,7 +114,7 @@ class Rig:
             self.io.step += 1
 
     def hear(self, message: Any) -> None:
-        """Call the callbacks of the subscriptions to a message's class."""
+        """Deliver a message to the callback of every subscription to its type."""
         for callback in self.node.listeners(message):
             self.trial.call(callback, message)
 

@@ -18,7 +18,7 @@ from tutorial.ros.topics.names import escape_name
 
 SECONDS = 10.0  # [s] length of the time axis
 DRAW_EVERY = 0.1  # [s] minimum time between redraws
-SHARE = 0.1  # the largest share of the main thread's time for drawing
+SHARE = 0.1  # the maximum share of the main thread's time that drawing may take
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad]; larger positions, such as infinity, are not drawn

@@ -77,7 +77,7 @@ class Cause(NamedTuple):
         return RULES[self.name]
 
     def fill(self, command: str) -> str:
-        """Replace the words in capitals in one of the rule's commands, quoted for a shell."""
+        """Fill in the capitalized placeholders in one of the rule's commands, quoted for a shell."""
         words = {"TOPIC": self.topic, **self.found.words}
         return re.sub(rf"\b({'|'.join(words)})\b", lambda found: shlex.quote(escape_name(words[found[1]])), command)
 

@@ -353,7 +353,9 @@ class Node(NodeGraph, NodeParameters):
 
     def _add(self, entity: Entity) -> Entity:
         with self._lock:
-            if self._destroyed and not isinstance(entity, Timer):  # rclpy allows and runs a destroyed node's timers
+            if self._destroyed and not isinstance(
+                entity, Timer
+            ):  # rclpy lets a destroyed node create timers, and runs them
                 entity.close()
                 raise InvalidHandle
             self._entities = (*self._entities, entity)
