@@ -84,7 +84,7 @@ def test_a_project_that_needs_services_says_how_to_get_them():
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known are 'Mine'. A controller's class has"),
+        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known are 'Mine'. A controller class must"),
         ("MyBroken", "1 / 0\n", "my_broken.py, line 1: ZeroDivisionError"),
     ],
 )

@@ -65,7 +65,7 @@ class Result:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the score, the number of contacts and the attributes as a dictionary for JSON."""
-        return {"score": round(self.score, 2), "contacts": self.contacts, **asdict(self), "touched": [*self.touched]}
+        return {"score": round(self.score, 1), "contacts": self.contacts, **asdict(self), "touched": [*self.touched]}
 
     @property
     def course(self) -> str:
