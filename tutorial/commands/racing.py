@@ -28,7 +28,7 @@ from tutorial.controllers.referee import Referee
 from tutorial.errors import printable
 from tutorial.program.host import Host
 from tutorial.program.project import Project
-from tutorial.race.rules import Result
+from tutorial.race.rules import FOUL, Result
 from tutorial.ros.domains import reserved_domain
 from tutorial.system import parent_watch
 from tutorial.system.paths import PACKAGE, original
@@ -226,14 +226,15 @@ async def race(path: Path, name: str, html: Path | None, project: Project, optio
         if options.is_sandboxed:
             stack.callback(asyncio.create_task(bound_memory(driver.pid)).cancel)
         if problem := await _meet(host, driver):
-            return Entry(name, layout, Result(end=NO_START), problem)
-        referee = host.controllers["Referee"]
-        assert isinstance(referee, Referee)
-        referee.limit = options.limit
-        note, real_time = await _run(host, referee, driver)
+            result, note, real_time = Result(end=NO_START), problem, 0.0
+        else:
+            referee = host.controllers["Referee"]
+            assert isinstance(referee, Referee)
+            referee.limit = options.limit
+            note, real_time = await _run(host, referee, driver)
+            result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
         if fingerprint(options.line) != options.fingerprint:
-            referee.race.disqualify(CHANGED)
-        result = replace(referee.race.result, end=referee.race.result.end or DRIVER_ENDED)
+            result = replace(result, end=FOUL, foul=CHANGED)
         return Entry(name, layout, result, result.foul or note, real_time)
 
 
