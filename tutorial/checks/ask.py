@@ -3,7 +3,7 @@
 Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it calls
 `/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you need not wait for them.
 
-- If both succeed, it returns the response of `/go_home`.
+- If `success` is True in the door's response, it returns the response of `/go_home`, whatever it says.
 - If `success` is False in the door's response, it does not call `/go_home` and returns the door's response.
 - All callbacks of the program's node run on one thread. This thread must not wait for a response.
 - Create both clients on `config.node`, in `configure`. In `unconfigure`, when the controller leaves the body, the node

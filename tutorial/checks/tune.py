@@ -1,7 +1,7 @@
 """The exercise `tune`: parameters that other programs can set, and a check that refuses.
 
 Write the controller `TrackLimits`. It declares two parameters of the program's node, `speed` and `turn` [m/s], with the
-values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0.
+values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without steps.
 
 - Their sum must not be above 2.5. The controller refuses values with a larger sum, and the reason contains the sum,
   such as `3.5`.
@@ -106,10 +106,13 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
 def limits(trial: Trial, bench: Bench) -> tuple[float, float]:
     """Return the learner's limits, which have to be the parameters' values."""
     with trial.calling("limits"):
+        returned = bench.learner.limits()
         try:
-            speed, turn = map(float, bench.learner.limits())
+            speed, turn = map(float, returned)
         except (TypeError, ValueError):
-            raise Misuse("it does not return two numbers", "Return a tuple: (speed, turn).") from None
+            parts = returned if isinstance(returned, (tuple, list)) else [returned]
+            kinds = ", ".join(type(each).__name__ for each in parts)
+            raise Misuse(f"it returns {len(parts)} of type {kinds}, not two numbers", NUMBERS) from None
         values = [bench.node.get_parameter(name).value for name in ("speed", "turn")]
         if [speed, turn] != values:
             raise Misuse(f"it returns {(speed, turn)}, but the parameters are {(*values,)}", STORED)
@@ -122,7 +125,8 @@ def described(trial: Trial) -> str:
         said = []
         for name in ("speed", "turn"):
             if not bench.node.has_parameter(name):
-                raise Misuse(f"there is no parameter {name!r}", "In configure, declare it on config.node.")
+                text = f"there is no parameter {name!r}; it creates {bench.created() or 'nothing'}"
+                raise Misuse(text, "In configure, declare it on config.node, with exactly this name.")
             descriptor = bench.node.describe_parameter(name)
             ranges = [
                 f"{each.from_value:g} to {each.to_value:g}{f' in steps of {each.step:g}' if each.step else ''}"
@@ -135,6 +139,10 @@ def described(trial: Trial) -> str:
         return f"{', '.join(said)}; {bench.leave()}"
 
 
+NUMBERS = (
+    "Return a tuple: (speed, turn). get_parameter returns a Parameter; its number is in value, as in "
+    "self.node.get_parameter('speed').value."
+)
 STORED = (
     "limits() probably returns the values in a different order, or values that are stored too early, or only once. "
     "Return both values of self.node.get_parameter(name).value: refused values never get there."

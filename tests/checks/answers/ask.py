@@ -1,5 +1,6 @@
 """The exercise `ask`: right answers in various styles, and wrong ones."""
 
+import asyncio
 import threading
 from contextlib import suppress
 
@@ -144,6 +145,13 @@ class AsksTheSimulationAnyway(AsksTheSimulation):
         return response
 
 
+class WithUntil(PitCrew):
+    async def on_pit_stop(self, request, response):
+        opening = self.open_door.call_async(request)
+        await asyncio.sleep(0.1)
+        return opening.result()
+
+
 class OnlyOnce(PitCrew):
     """Open the door only for the first pit stop."""
 
@@ -158,6 +166,7 @@ CALL = ("await self.open_door.call_async(", "self.open_door.call("), (f"await {H
 TOO_EARLY = "returns too early, calls in a different order, or returns the wrong response"
 LEFT = "doesn't destroy everything"
 WRONG = [
+    (WithUntil, "await the future itself"),
     (edited(ask, SYNC, *CALL), "waits for a response that cannot arrive"),
     (
         edited(ask, SYNC, *CALL, ("call(Trigger.Request()", "call(_request, timeout_sec=0.1")),

@@ -128,6 +128,11 @@ class DeclaresLast(TrackLimits):
         super().configure(config)
 
 
+class Prefixed(TrackLimits):
+    def configure(self, config):
+        config.node.declare_parameters("Tank", [("speed", 1.0), ("turn", 0.5)])
+
+
 FIRST_TURN = ("self.limits()))", "(self.limits()[0], 0.5)))")
 IF_TURN = ("if total > 2.5:", "if total > 2.5 and 'turn' in [each.name for each in parameters]:")
 BOTH = ("if each.name in new})", "if each.name in new})\nnew = {each.name: each.value for each in parameters}")
@@ -164,6 +169,13 @@ WRONG = [
     (edited(tune, BOTH), "expects both parameters in the list"),
     (edited(tune, ("to_value=2.0", "to_value=2.0, step=0.1")), "a range without steps"),
     (edited(tune, ('self.node.get_parameter("speed").value, self.node', "1.0, self.node")), "or only once"),
+    (
+        edited(
+            tune, ('self.node.get_parameter("speed").value, self.node', 'self.node.get_parameter("speed"), self.node')
+        ),
+        "its number is in value",
+    ),
+    (Prefixed, "with exactly this name"),
     (Stores, "stored too early"),
     (StoresAccepted, "stored too early"),
     (OneAfterAnother, "before it knows all new values"),

@@ -37,6 +37,10 @@ NOT_THERE = {
     "timeout. Await call_async in a coroutine.",
 }
 """Likely causes of an exception, by a part of its text."""
+NO_LOOP = (
+    "until and asyncio work only in a cell. In a callback, await the future itself, "
+    "as in await self.client.call_async(request)."
+)
 
 
 class _Node(WatchedNode):
@@ -142,8 +146,7 @@ class Bench:
         """Make a request, and describe the response."""
         client = self._other.node.create_client(Trigger, service)
         if not self._wait(lambda: client.service_is_ready() and self.node.count_clients(service)):
-            others = ", ".join(sorted(self._made() - self._before)) or "nothing"
-            text = f"there is no service {service} of the type Trigger; it creates {others}"
+            text = f"there is no service {service} of the type Trigger; it creates {self.created() or 'nothing'}"
             raise Failure("configure", Misuse(text, NO_SERVICE))
         began = time.monotonic()
         future = client.call_async(Trigger.Request())
@@ -156,8 +159,12 @@ class Bench:
     def leave(self) -> str:
         """Call `unconfigure`, and name the services, clients and parameters that the controller has left behind."""
         self.do("unconfigure")
-        left = self._made() - self._before
-        return f"left: {', '.join(sorted(left))}" if left else "nothing is left"
+        left = self.created()
+        return f"left: {left}" if left else "nothing is left"
+
+    def created(self) -> str:
+        """Name the services, clients, callbacks and parameters that the controller has created, and not destroyed."""
+        return ", ".join(sorted(self._made() - self._before))
 
     def close(self) -> None:
         """End the requests and both nodes."""
@@ -211,6 +218,8 @@ def _from_callback(trial: Trial, error: BaseException) -> Failure:
         return _unsent(error)
     is_own = frames[-1][0].f_code.co_filename in trial.watched  # not raised by a function that it calls
     cause = next((cause for part, cause in NOT_THERE.items() if is_own and part in str(error)), None)
+    if "event loop" in str(error):
+        cause = NO_LOOP
     text = f"it raises {type(error).__name__}: {error}"
     return Failure(place.function, Misuse(text, cause) if cause else error.with_traceback(trace), place)
 
