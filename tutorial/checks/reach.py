@@ -1,7 +1,7 @@
 """The exercise `reach`: connect two incompatible programs.
 
 A robot's program publishes `JointState` on `/robot/joint_state`, with `qos_profile_sensor_data`: best effort and
-volatile. A wall display subscribes to `/wall/joint_state` and asks for `RELIABLE` and
+volatile. A screen on the wall subscribes to `/wall/joint_state` and asks for `RELIABLE` and
 `TRANSIENT_LOCAL`, because it often starts late. You can't change these programs. A `QoSProfile(depth=...)` is
 `RELIABLE` by default; here, any depth works.
 
