@@ -1,8 +1,8 @@
 """The exercise `ask`: ask two questions in a callback, and never wait for yourself.
 
 Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it calls
-`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: no need to wait for the
-services.
+`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you need not check
+that, but you need their responses.
 
 - If `success` is True in the door's response, it returns the response of `/go_home`, whatever it says.
 - If `success` is False in the door's response, it does not call `/go_home` and returns the door's response.

@@ -95,7 +95,7 @@ class WatchedNode(MeteredNode):
         return {span: text for span in waits if (text := self._explain(span))}
 
     def end_deadlocks(self) -> None:
-        """Raise a `DeadlockError` in each callback that waits for a response that cannot arrive. Thread-safe."""
+        """Raise a `DeadlockError` in each callback that waits for a response that nobody can receive. Thread-safe."""
         for wait, text in self.deadlocks().items():
             self.ended.append(text)
             wait.future.set_exception(DeadlockError(text))
