@@ -18,6 +18,7 @@ from tutorial.errors import TutorialError, printable
 from tutorial.system.printing import print_text
 
 if TYPE_CHECKING:
+    from tutorial.commands.checking.report import Results
     from tutorial.commands.checking.run import Done
 
 TOGETHER = 2  # maximum number of notebooks that are judged at the same time
@@ -66,8 +67,6 @@ def check(
     The exit status is 1 if any answer is wrong, could not be judged, or is a driver that failed. Exercises that were
     not tried do not affect it.
     """
-    from rich.console import Console
-
     from tutorial.commands.checking import report
     from tutorial.commands.checking.messages import Outcome
     from tutorial.commands.checking.run import NOT_RACED, judge_and_race
@@ -86,12 +85,7 @@ def check(
     done: Done = {}
     interrupted = until_asked(judge_and_race(names, jobs, limit, not no_sandbox, line, done))
     results = [(names[path], done[path]) for path in paths if path in done]
-    if as_json:
-        print_text(json.dumps(report.as_json(results, not no_sandbox), indent=2) + "\n")
-    else:
-        console = Console(highlight=False)
-        console.print(report.table(results))
-        console.print(*report.summary(results, not no_sandbox), sep="\n", markup=False)
+    _show(results, as_json, not no_sandbox)
     if junit is not None:
         try:
             with junit as file:
@@ -104,6 +98,20 @@ def check(
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED, Outcome.SCORED)
     return int(any(judged.outcome not in fine for _, verdicts in results for judged in verdicts.values()))
+
+
+def _show(results: Results, as_json: bool, is_sandboxed: bool) -> None:
+    """Print the verdicts and a summary."""
+    from rich.console import Console
+
+    from tutorial.commands.checking import report
+
+    if as_json:
+        print_text(json.dumps(report.as_json(results, is_sandboxed), indent=2) + "\n")
+    else:
+        console = Console(highlight=False)
+        console.print(report.table(results))
+        console.print(*report.summary(results, is_sandboxed), sep="\n", markup=False)
 
 
 def _found(given: Sequence[Path]) -> list[Path]:
