@@ -28,6 +28,22 @@ def test_a_lost_update_is_found():
     assert {*sums} == {1, 2}
 
 
+def test_a_slow_turn_ends_before_the_function_continues():
+    ended, seen = [], []
+    numbers = range(1_000_000)
+
+    def look():
+        seen.append(len(ended))
+
+    def turn():
+        for _ in range(10):
+            sum(numbers)  # keeps the interpreter busy, as a garbage collection does
+        ended.append(True)
+
+    assert interleave(Trial(look), look, turn, 0)
+    assert seen == [1]
+
+
 class Subscribes:
     def __init__(self, trial, node):
         node.create_subscription(Joy, "joy", self.on_joy, 1)

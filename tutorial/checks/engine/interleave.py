@@ -12,7 +12,9 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.memory_node import MemoryNode
 from tutorial.checks.engine.trial import Trial
 
-TURN = 0.05  # [s] time limit of a turn, because a turn that needs the interrupted function's lock would never end
+# A turn that needs the interrupted function's lock would never end, so the function waits for it only this often and
+# this long [s]. One long wait would also end for a turn that the machine, or Python's garbage collector, delays.
+WAITS, WAIT = 50, 0.001
 MESSAGES = 100  # messages that arrive while a controller is being configured, one at each instruction
 
 EARLY = "Your code probably creates the subscription before the attributes that its callback uses. Create it last."
@@ -45,7 +47,9 @@ def interleave(trial: Trial, function: Callable[[], object], between: Callable[[
         if event in ("opcode", "line"):
             if at in (None, count) and (not turns or turns[-1].done()):
                 turns.append(other.submit(between))
-                wait(turns[-1:], TURN)
+                for _ in range(WAITS):
+                    if wait(turns[-1:], WAIT).done:
+                        break
             count += 1
         return step
 
