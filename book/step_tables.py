@@ -10,15 +10,15 @@ STEPS = (
     ("setup", "nothing yet: you drive the tank and see which programs talk to each other", ""),
     ("tank_controller", "a controller that listens to the joystick", "`/joy`"),
     ("joint_state_publisher", "a publisher of joint states", "`/Tank/joint_state`"),
-    ("joint_state_subscriber", "a viewer, in a second program", "`/Tank/joint_state`"),
+    ("joint_state_subscriber", "a viewer in a second program", "`/Tank/joint_state`"),
     ("imu_publisher", "a publisher of the sensors' measurements", "`/Tank/imu`"),
-    ("imu_subscriber", "a viewer that shows the measurements and shakes", "`/Tank/imu`"),
+    ("imu_subscriber", "a viewer that shows the measurements and shakes its tank after a collision", "`/Tank/imu`"),
     ("camera_publisher", "a publisher of the camera's images", "`/Tank/camera/image`"),
-    ("pose", "a publisher of the tank's pose, and a viewer whose tank drives", "`/tf`"),
-    ("bag_recorder", "a recorder of messages, whose bag you play back", "`/Tank/joint_state`"),
-    ("nothing_arrives", "eight fixes for a viewer that shows nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
-    ("services", "services, clients and parameters, a deadlock and its repairs", "`/Tank/reset`, `/Tank/set_motors`"),
-    ("race", "a driver: your own node, which follows a line for a score", "`/joy`"),
+    ("pose", "a publisher of the tank's pose, and a viewer that shows this pose", "`/tf`"),
+    ("bag_recorder", "a recorder that writes messages into a bag, which you play back", "`/Tank/joint_state`"),
+    ("nothing_arrives", "fixes for eight viewers that show nothing", "`/tank1/joint_state` to `/tank8/joint_state`"),
+    ("services", "services, clients, parameters, and three fixes for a deadlock", "`/Tank/reset`, `/Tank/set_motors`"),
+    ("race", "your own driver: a node that follows a line and gets a score", "`/joy`"),
 )
 """Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
 
