@@ -20,19 +20,19 @@ SIGNS = {
     "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` prints `Publisher count: 0`.",
     "domain": "`ros2 topic list` does not show the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` does.",
     "type": "`ros2 topic info TOPIC` lists two types.",
-    "hash": "`ros2 topic info -v TOPIC` shows two values of `Topic type hash`.",
-    "reliability": "The subscription's terminal shows a warning with `incompatible QoS` and `RELIABILITY`.",
-    "durability": "The subscription's terminal shows a warning with `incompatible QoS` and `DURABILITY`.",
-    "deadline": "The subscription's terminal shows a warning with `incompatible QoS` and `DEADLINE`.",
-    "liveliness": "The subscription's terminal shows a warning with `incompatible QoS` and `LIVELINESS`.",
+    "hash": "`ros2 topic info -v TOPIC` shows two different values of `Topic type hash`.",
+    "reliability": "The subscription's terminal shows a warning that contains `incompatible QoS` and `RELIABILITY`.",
+    "durability": "The subscription's terminal shows a warning that contains `incompatible QoS` and `DURABILITY`.",
+    "deadline": "The subscription's terminal shows a warning that contains `incompatible QoS` and `DEADLINE`.",
+    "liveliness": "The subscription's terminal shows a warning that contains `incompatible QoS` and `LIVELINESS`.",
     "clock": "`ros2 param get NODE use_sim_time` prints `True`, "
     "and `ros2 topic info /clock` prints `Publisher count: 0`.",
     "silent": "`ros2 topic info TOPIC` prints `Publisher count: 1`, but `ros2 topic hz TOPIC` prints no rate.",
     "late": "`ros2 topic info -v TOPIC` prints `Durability: VOLATILE`, "
     "and the publisher's program publishes only once.",
-    "range": "`ros2 node list` in the program's terminal shows no other program.",
+    "range": "`ros2 node list` in the program's terminal lists no nodes of other programs.",
     "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the two terminals.",
-    "unknown": "`ros2 topic echo TOPIC` prints messages, but with names that are not in the robot's description.",
+    "unknown": "`ros2 topic echo TOPIC` prints messages, but their joint names are not in the robot's description.",
     "dropped": "`ros2 topic echo TOPIC` prints messages, but their stamps jump backwards.",
     "nobody": "`ros2 topic info TOPIC` prints `Publisher count: 0`, or `Unknown topic`.",
 }
@@ -41,7 +41,7 @@ SIGNS = {
 
 def page() -> str:
     """Return the page's text with an up-to-date table."""
-    head = "| cause | how it looks with `ros2` | what to change |\n| --- | --- | --- |\n"
+    head = "| cause | what you see in a terminal | what to change |\n| --- | --- | --- |\n"
     rows = "".join(map(_row, RULES))
     return TABLE.sub(lambda _: head + rows, PAGE.read_text(encoding="utf-8"))
 
