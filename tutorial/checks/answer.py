@@ -4,11 +4,12 @@ Write the controller `AngleServer`. It offers the service `angle` of its body (t
 `Tank` is `/Tank/angle`. The response reports the angle of the simulated body's joint `TURRET_Y`.
 
 - The simulated body belongs to the simulation's thread. During a step, its joints hold intermediate values, so only
-  this thread may read them, and only between two steps: use `config.ask`.
+  this thread may read the joints, and only between two steps: use `config.ask`.
 - The message is the angle with two decimals, such as `0.25 rad`, and `success` is True.
 - If the angle cannot be read within 0.5 s, `success` is False, and the message is the text of the `RefusedError`.
   Therefore, no client waits much longer than 0.5 s.
-- It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys the service.
+- The controller works on any body. In `unconfigure`, when the controller leaves the body, the node destroys the
+  service.
 
 Hint 1: Look at the three threads: configure runs on the main thread, the callback on the executor's thread, and the
 joint belongs to the simulation's thread. Which method gives you the simulated body, and on which thread does it run?

@@ -1,11 +1,10 @@
 """The exercise `ask`: ask two questions in a callback, and never wait for yourself.
 
 Write the controller `PitCrew`. It offers the service `/pit_stop` (type `Trigger`). For each request, it calls
-`/open_door`, and then `/go_home` (both `Trigger`), which other programs already offer: you need not check
-that, but you need their responses.
+`/open_door`, and then `/go_home` (both `Trigger`). Assume that other programs offer these services.
 
-- If `success` is True in the door's response, it returns the response of `/go_home`, whatever it says.
-- If `success` is False in the door's response, it does not call `/go_home` and returns the door's response.
+- If `success` is True in the door's response, `PitCrew` returns the response of `/go_home`, successful or not.
+- If `success` is False in the door's response, `PitCrew` does not call `/go_home` and returns the door's response.
 - All callbacks of the program's node run on one thread. This thread must not wait for a response.
 - Create both clients on `config.node`, in `configure`. In `unconfigure`, when the controller leaves the body, the node
   destroys the service and the clients.

@@ -1,9 +1,9 @@
 """The exercise `tune`: parameters that other programs can set, and a check that refuses.
 
 Write the controller `TrackLimits`. It declares two parameters of the program's node, `speed` and `turn` [m/s], with the
-values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without steps.
+initial values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without a step size.
 
-- Their sum must not be above 2.5. The controller refuses values with a larger sum, and the reason contains the sum,
+- The sum of both must not exceed 2.5. The controller refuses values with a larger sum, and the reason contains the sum,
   such as `3.5`.
 - If both are set together, only the new values matter. The controller ignores other parameters.
 - `limits()` returns the current values as a list or tuple, `(speed, turn)`.
