@@ -9,7 +9,7 @@ stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, p
   unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
-- In `unconfigure`, when the controller leaves the body, the node destroys the subscription.
+- In `unconfigure`, when the controller leaves the body, have the node destroy the subscription.
 
 Mind the threads: the callback runs on the executor's thread, `control` on the simulation's thread. Only `control` may
 set the tracks.

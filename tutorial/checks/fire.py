@@ -1,11 +1,11 @@
 """The exercise `fire`: report whether the joystick's first button is pressed.
 
-Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 in this message is
-pressed, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
+Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 is pressed in this
+message, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
 
 - In `message.buttons`, 1 is a pressed button and 0 a released one.
-- A button that the message lacks counts as not pressed.
-- `FireButton` doesn't need `self.joy`, but your callback may also put the message there.
+- A missing button counts as not pressed.
+- `FireButton` doesn't need `self.joy`, but your callback may also put the message into it.
 
 Hint 1: Think of messages without a pressed button: button 0 is released, or the message has no buttons. What does
 self.fire have to hold after such messages?

@@ -6,13 +6,13 @@ that is `Tank/turret`, without a leading slash, so the topic is in the node's na
 - It publishes 25 times per simulated second: one message every `round(1 / (25 * io.time_step))` steps. You may also
   publish at the steps nearest to the multiples of 1/25 s, so that the rate is exact on average. Publish the first
   message within 1/25 s after the start.
-- It publishes each message even if nothing has changed.
-- Each message names all joints of the body, `io.body.joints`, in this order, with position, velocity and effort.
+- It publishes even if nothing has changed.
+- Each message lists all joints of the body in the order of `io.body.joints`, with position, velocity and effort.
 - The stamp is the simulated time of publication.
-- It works on any body, and with any time step up to 10 ms.
-- The simulation can be stopped and restarted. Then `initialize` is called again, and `io.step` and `io.time_ns`
-  continue: they don't start at 0 again.
-- In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
+- It works for any body and any time step up to 10 ms.
+- The simulation can be stopped and restarted. Then `initialize` is called again, but `io.step` and `io.time_ns`
+  don't restart at 0.
+- In `unconfigure`, when the controller leaves the body, have the node destroy the publisher.
 
 Hint 1: Where does each value come from? The topic from config.body.name, the joints from io.body.joints, the rate from
 io.step and io.time_step, the stamp from io.time_ns. You need no wall clock, and no hard-coded joint names.

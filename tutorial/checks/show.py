@@ -2,14 +2,14 @@
 
 Write the controller `MyViewer`. It subscribes to the topic `joint_state` of its body, which for the body `Tank` is
 `Tank/joint_state` (type `JointState`), and shows the received states on the displayed body. The node has no
-namespace, so the topic can also begin with a slash.
+namespace, so a leading slash makes no difference.
 
 - The displayed body belongs to the main thread. The callback only posts a call (`config.call_later`) and returns.
 - The posted call matches joints by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and
   notifies (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
-- It shows every message, even if it repeats the previous one, and even if its stamp is smaller after a restart
-  of the publisher. It may drop a message that is only late, as `JointMatcher` does.
-- It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys its subscription.
+- Show every message, even a repeated one, and even if its stamp is smaller after a restart of the publisher. You may
+  drop a message that is merely late, as `JointMatcher` does.
+- It works on any body. In `unconfigure`, when the controller leaves the body, have the node destroy the subscription.
 
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
 thread: code that moves the body must run there.

@@ -4,13 +4,13 @@ Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topi
 tank `Tank/joint_state`), but only the changes:
 
 - 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those
-  that it last sent. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
-  multiples of 1/50 s.
-- The message names these joints, with their positions. If no joints have moved, it sends nothing.
+  that it last sent. Do this every `round(1 / (50 * io.time_step))` steps, or at the steps nearest to the multiples
+  of 1/50 s.
+- The message contains only these joints, with their positions. If no joints have moved, it sends nothing.
 - The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
-  `initialize` is called again, and `io.step` and `io.time_ns` continue: they don't start at 0 again.
+  `initialize` is called again, but `io.step` and `io.time_ns` don't restart at 0.
 - The stamp is the simulated time of publication. Velocity and effort stay empty.
-- In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
+- In `unconfigure`, when the controller leaves the body, have the node destroy the publisher.
 
 Hint 1: What do you compare each position with? With the position that you last sent for this joint, perhaps long ago;
 not with its position 20 ms ago. Compare each joint separately.

@@ -3,11 +3,11 @@
 Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called once per step, with the newest message
 and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.
 
-- A message arrives in the call that passes a different object than the previous call (`is not`), even if its axes are
-  the same: a joystick repeats the axes while its sticks are held still. In the first call, the message is new.
-- Use only `seconds`. A step can have any length, the message's stamp can be empty, and the computer's clock does not
-  show simulated time.
-- A message that arrives after a stale one is fresh again.
+- A message arrives in the call that passes a different object than the previous call (`is not`), even if its axes have
+  the same values: a joystick repeats the axes while its sticks are held still. In the first call, the message is new.
+- Measure time only with `seconds`. A step can have any length, the message's stamp can be empty, and the computer's
+  clock does not show simulated time.
+- A new message is fresh again, even after a stale message.
 
 Hint 1: A call gives you the message and the time. What do you have to store in earlier calls, to see whether the
 message is new, and how old it is?
