@@ -6,7 +6,7 @@ leading slash, so it is in the node's namespace.
 
 - Request an image every 0.2 s, the first one at most 0.2 s after the start. If 0.2 s isn't a whole number of steps,
   either round the number of steps or keep the average rate exact. Publish every image that you get, even if it
-  repeats the previous one: a repeated message is still a message.
+  repeats the previous one.
 - Each pixel is one byte: the average of its red, green and blue values, rounded or truncated. This encoding is called
   `mono8`. The field `step` is the number of bytes in a row.
 - The stamp is the simulated time of the request. An image can arrive after the next request, or not at all. The frame

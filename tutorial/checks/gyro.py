@@ -1,24 +1,24 @@
 """The exercise `gyro`: publish averages of a sensor's measurements.
 
-Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on
+Write the controller `GyroPublisher` for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on
 the topic `gyro` of its body. For the body `Tank` that is `Tank/gyro`, without a leading slash, so the topic is in the
 node's namespace.
 
 - It publishes 10 times per simulated second: one message every `round(1 / (10 * io.time_step))` steps. You may also
   publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. Publish the first
-  message at any step within 1/10 s after the start; at the very first step it averages a single value.
+  message at any step within 1/10 s after the start; at the very first step, there is only one value to average.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
 - The angular velocity is the average of the `GYRO` sensor's values since the last message: one value per step,
-  including the step in which you publish the message.
+  including the step at which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
-  (`message.orientation_covariance[0] = -1.0`); the covariance of the angular velocity does not.
+  (`message.orientation_covariance[0] = -1.0`), but the covariance of the angular velocity does not.
 - The stamp is the simulated time of publication.
 - The frame is the sensor's frame, `Tank/GYRO`, which includes the body's name. On the tank you may also use the
-  chassis, `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its
-  jib.)
-- It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
-  continue: they don't start at 0 again.
-- In `unconfigure`, when the controller leaves the body, the node destroys its publisher.
+  chassis frame, `Tank/base_link`: the sensor is fixed to the chassis and has the same axes. (The crane's sensor is at
+  the tip of its jib.)
+- It works on any body that has such a sensor, and with any time step. After a restart of the simulation, `io.step` and
+  the time continue: they don't restart at 0.
+- In `unconfigure`, the node destroys its publisher.
 
 Hint 1: Look at how often each thing happens. You measure in every step, but with steps of 1 ms you publish only in
 every hundredth step. Collect the measurements until you publish.

@@ -5,13 +5,13 @@ Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, 
 displayed body hops:
 
 - A blow is a horizontal acceleration (the length of the vector (x, y)) of more than 20 m/s².
-- After a blow, the body immediately rises by 0.1 m. 0.5 s later, it is back exactly where it stood.
-- If another blow arrives while the body is up, it stays up until 0.5 s after that blow, and rises no higher. Other
-  messages change nothing. A blow counts even if its message repeats the previous one.
+- After a blow, the body immediately rises by 0.1 m. After 0.5 s, the body is back exactly where it stood.
+- If another blow arrives while the body is up, the body stays up until 0.5 s after that blow, but rises no higher.
+  Other messages have no effect. Treat a blow as new even if its message repeats the previous one.
 - No blow is lost if up to five messages arrive while the executor's thread and the main thread are busy.
 - Use asyncio's timer, on the main thread. After each move, call `calc_forward_kinematics` and `notify_change`.
-- When the controller leaves the body, no timer is running, the body is back where it stood, and the node has destroyed
-  the subscription.
+- After the controller has left the body, no timer is running, the body is back where it stood, and the node has
+  destroyed the subscription.
 
 Hint 1: Look at what you have to remember between calls: where the body stood, and the timer. The timer also tells
 you whether the body is up.

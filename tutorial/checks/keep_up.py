@@ -1,7 +1,7 @@
 """The exercise `keep_up`: a viewer that shows the newest message, with at most one waiting call.
 
-Write the controller `CalmViewer`, for messages that contain whole states. It works like `MyViewer`, with one
-difference, which lets it keep up with any publisher:
+Write the controller `CalmViewer` for messages that each contain the whole state. It works like `MyViewer`, but keeps
+up with any publisher:
 
 - While the main thread is busy, at most one call waits for it. When this call runs, it draws only the newest message.
 - Earlier messages are therefore not shown. The last message is always shown, even if no message follows, and even if it

@@ -1,7 +1,7 @@
 """The exercise `where`: transform a point from frame to frame.
 
 Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m] in the outermost frame, as a
-list, a tuple or an array of three numbers. Their error must be at most 0.1 mm, so don't round.
+list, a tuple or an array of three numbers. The error must be at most 0.1 mm, so don't round.
 
 - `transforms` is a list of `TransformStamped`, from the outermost to the innermost: the parent of the first one is the
   outermost frame, and the child of each is the parent of the next.
