@@ -5,13 +5,13 @@ all is well:
 
 - `"domain"`: the topic has no publisher in this domain, but it has one in another domain.
 - `"nobody"`: the topic has no publisher at all.
-- `"type"`: there is a subscription whose type no publisher has.
-- `"reliability"`: there is a `reliable` subscription, and no publisher of its type is `reliable`.
-- `"durability"`: there is a `transient_local` subscription, and no publisher of its type that is reliable enough for it
-  is `transient_local`.
+- `"type"`: a subscription has no publisher of its type.
+- `"reliability"`: a `reliable` subscription has no `reliable` publisher of its type.
+- `"durability"`: a `transient_local` subscription has no publisher of its type that is both reliable enough and
+  `transient_local`.
 - `"clock"`: no message arrives, at least one publisher's node follows `/clock`, and no message arrives there, either.
-- `"silent"`: there is a publisher, and no message arrives.
-- `"dropped"`: messages arrive, and more than half of them move no joint.
+- `"silent"`: there is a publisher, but no message arrives.
+- `"dropped"`: messages arrive, but more than half of them move no joint.
 
 One compatible publisher is enough for a subscription. In each graph, at most one subscription has no compatible
 publisher. `clock_users` holds the full names of nodes, such as `"/tank"`.

@@ -1,16 +1,16 @@
 """The exercise `pair`: match two messages from the same moment.
 
-Write the class `Pairs`. It pairs messages of two topics that have the same stamp. The viewer calls its method
-`add(stream, message)` with each message on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages with
-the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it returns `None`.
+Write the class `Pairs`. It pairs messages of two topics that have the same stamp. The viewer passes each
+message to the method `add(stream, message)` on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages
+with the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it returns `None`.
 
 - Either message can arrive first, and one topic can be ahead of the other. Each topic's messages arrive in the order of
   their stamps.
-- When a pair is complete, drop all messages that arrived before its first message: their partners would be too late.
-  Messages that arrived later can still find their partners.
-- At most 50 messages wait. Count them per topic or in total, as you like. If there are more, drop the message that
+- When a pair is complete, drop all messages that arrived before the pair's first message: their partners would be too
+  late. Messages that arrived later can still form pairs.
+- At most 50 messages may wait. Count them per topic or in total, as you like. If there are more, drop the message that
   *arrived* first.
-- After a restart of the publisher, the stamps start at 0 again. Match these messages immediately, too.
+- After the publisher restarts, its stamps start at 0 again. Pair these messages immediately, too.
 
 Hint 1: When a message arrives, you have to find the other topic's message with the same stamp. What do you have to
 store, and under which key, to find that message directly?

@@ -5,8 +5,8 @@ volatile. A screen on the wall subscribes to `/wall/joint_state` and asks for `R
 `TRANSIENT_LOCAL`, because it often starts late. You can't change these programs. A `QoSProfile(depth=...)` is
 `RELIABLE` by default; here, any depth works.
 
-Write the class `Relay`, which connects them. `Relay(node)` gets a node that is already spinning and creates a
-subscription and a publisher on it.
+Write the class `Relay`, which connects them. `Relay(node)` creates a subscription and a publisher on the node, which is
+already spinning.
 
 - Each of the robot's messages reaches the screen, unchanged, exactly once and in order, even if it repeats the
   previous one.

@@ -4,12 +4,12 @@ Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
 - `write` runs on the recorder's thread. It takes entries from the queue one by one, each a time [ns] and a payload,
   and writes each immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an
-  entry even if its payload or time repeats an earlier one: a repeated message is still a message. `self.received.get()`
-  waits for an entry. `None` ends the thread.
-- `unconfigure` stops everything that `configure` has started. Afterwards, every received message is in the bag, and
-  nothing writes to it after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
-- You may also extend `configure`. Then call `super().configure(config)` in it. This call starts the thread, so first
-  set everything that `write` needs.
+  entry even if an earlier entry had the same payload or time: a repeated message is still a message.
+  `self.received.get()` waits for an entry. `None` ends the thread.
+- `unconfigure` stops everything that `configure` has started. When it returns, the bag contains every received message.
+  Nothing may write to the bag after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
+- You may also extend `configure`. If you do, call `super().configure(config)` in it. This call starts the thread, so
+  first set everything that `write` needs.
 
 Hint 1: Go through unconfigure line by line. After each line: can a message still arrive, is a message still waiting in
 the queue, can the thread still write?
