@@ -16,27 +16,29 @@ SIGNS = {
     "python": "`python3 -c 'import rclpy'` raises an error.",
     "loopback": "`ip link show lo` shows `state DOWN`.",
     "participants": "The program exits immediately: `Failed to find a free participant index for domain 0`.",
-    "stopped": "`ros2 topic info TOPIC` soon prints `Publisher count: 0`, and `ps -eo stat,args` shows the state `T`.",
-    "name": "`ros2 topic list -t` shows a similar name, and `ros2 topic info TOPIC` prints `Publisher count: 0`.",
+    "stopped": "After several seconds, `ros2 topic info TOPIC` prints `Publisher count: 0`, "
+    "and `ps -eo stat,args` shows the state `T`.",
+    "name": "`ros2 topic list -t` lists a topic with a similar name, "
+    "and `ros2 topic info TOPIC` prints `Publisher count: 0`.",
     "domain": "`ros2 topic list` does not show the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` does.",
     "type": "`ros2 topic info TOPIC` lists two types.",
     "hash": "`ros2 topic info -v TOPIC` shows two different values of `Topic type hash`.",
-    "reliability": "The subscription's terminal shows a warning that contains `incompatible QoS` and `RELIABILITY`.",
-    "durability": "The subscription's terminal shows a warning that contains `incompatible QoS` and `DURABILITY`.",
-    "deadline": "The subscription's terminal shows a warning that contains `incompatible QoS` and `DEADLINE`.",
-    "liveliness": "The subscription's terminal shows a warning that contains `incompatible QoS` and `LIVELINESS`.",
+    "reliability": "The subscribing program prints a warning that contains `incompatible QoS` and `RELIABILITY`.",
+    "durability": "The subscribing program prints a warning that contains `incompatible QoS` and `DURABILITY`.",
+    "deadline": "The subscribing program prints a warning that contains `incompatible QoS` and `DEADLINE`.",
+    "liveliness": "The subscribing program prints a warning that contains `incompatible QoS` and `LIVELINESS`.",
     "clock": "`ros2 param get NODE use_sim_time` prints `True`, "
     "and `ros2 topic info /clock` prints `Publisher count: 0`.",
     "silent": "`ros2 topic info TOPIC` prints `Publisher count: 1`, but `ros2 topic hz TOPIC` prints no rate.",
     "late": "`ros2 topic info -v TOPIC` prints `Durability: VOLATILE`, "
-    "and the publisher's program publishes only once.",
-    "range": "`ros2 node list` in the program's terminal lists no nodes of other programs.",
-    "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the two terminals.",
+    "and the publisher publishes only once.",
+    "range": "In the program's terminal, `ros2 node list` lists no nodes of other programs.",
+    "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the terminals of the two programs.",
     "unknown": "`ros2 topic echo TOPIC` prints messages, but their joint names are not in the robot's description.",
     "dropped": "`ros2 topic echo TOPIC` prints messages, but their stamps jump backwards.",
-    "nobody": "`ros2 topic info TOPIC` prints `Publisher count: 0`, or `Unknown topic`.",
+    "nobody": "`ros2 topic info TOPIC` prints `Publisher count: 0` or `Unknown topic`.",
 }
-"""How each cause looks with the commands of a real ROS 2."""
+"""For each cause, what you see in a terminal with a real ROS 2."""
 
 
 def page() -> str:

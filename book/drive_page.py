@@ -32,11 +32,11 @@ PACKAGES = {
     "@mujoco/mujoco@3.14.0": ("mujoco.js", "mujoco.wasm"),
     "pyodide@314.0.7": ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip"),
 }
-"""The npm packages, which are not in the repository, and the files that the page needs from them."""
+"""The files that the page needs from npm packages, by package. These packages are not in the repository."""
 
 IDL = ("__init__", "_builder", "_machinery", "_main", "_support", "_type_helper", "_type_normalize", "types")
 CYCLONE = [f"cyclonedds/idl/{name}.py" for name in IDL]
-"""The codec of Cyclone DDS's package, which the pocket ROS 2 uses."""
+"""The files of the codec that the pocket ROS 2 uses, from the package ``cyclonedds``."""
 
 LOCK = "pyodide-lock.json"
 """The list of packages that Pyodide can load; the page provides none of them."""
@@ -51,7 +51,7 @@ PROGRAMS = {
     "simulation": ("step2", "TankController", "tank_controller.py"),
     "viewer": ("step3", "JointStateSubscriber", "joint_state_subscriber.py"),
 }
-"""The page's programs, each with its project, and the class and file of the controller that the visitor edits."""
+"""For each of the page's programs: its project, and the class and file of the controller that the visitor edits."""
 
 
 @cache

@@ -21,7 +21,7 @@ LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this length
 MOVED = 0.1  # [rad]; if joints have moved less, the picture looks the same
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
-BESIDE = "<p><em>In the notebook, there is {} beside it.</em></p>"
+BESIDE = "<p><em>In the notebook, there is {} next to this picture.</em></p>"
 BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick"}
 
 

@@ -20,7 +20,7 @@ STEPS = (
     ("services", "services, clients, parameters, and three fixes for a deadlock", "`/Tank/reset`, `/Tank/set_motors`"),
     ("race", "your own driver: a node that follows a line and gets a score", "`/joy`"),
 )
-"""Each step's name, what you build, and its topic. The names of its files begin with its name or number."""
+"""Each step's name, what you build in it, and its topics. The names of a step's files begin with its name or number."""
 
 PAGES = {
     "README.md": ("step", "notebook", "you build", "controller", "project", "launch file", "topic"),
