@@ -55,32 +55,36 @@ class HeldJoint:
 
 
 MISTAKES = [
-    Mistake("your reference starts at 0. Start at the joint's angle, joint.position.",
+    Mistake("your reference starts at 0. Start it at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = 0.0, joint.position")),
-    Mistake("self.q_prev starts at 0, so the first speed is wrong. Start at the joint's angle, joint.position.",
+    Mistake("self.q_prev starts at 0, so the first speed is wrong. Start it at the joint's angle, joint.position.",
             replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
     Mistake("your code computes the reference from joint.position. Start from the previous reference, self.q_ref.",
             replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
-    Mistake("your code converts between radians and degrees. 0.002 is already in rad, like angles and ranges.",
+    Mistake("your code converts between radians and degrees. 0.002 is "
+            "already in radians, as are the angle and the range.",
             replace("0.002", "radians(0.002)", "degrees(0.002)")),
-    Mistake("your code multiplies the move by time_step. The reference moves "
+    Mistake("your code multiplies the reference's movement by time_step. The reference moves "
             "by 0.002 * stick rad in each call, whatever the time step.",
             replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
-    Mistake("your code uses only the sign of the stick. At half stick, the reference moves half as far: 0.002 * stick.",
+    Mistake("your code uses only the sign of the stick's position. At half stick, "
+            "the reference moves half as far: 0.002 * stick.",
             replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
-    Mistake("your code clamps the stick to joint.range. Clamp the reference, which is an angle.",
+    Mistake("your code clamps the stick's position to joint.range, which is a range of angles. "
+            "Clamp the reference instead.",
             replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
-    Mistake("your code uses the stick as the angle. The stick moves the reference by 0.002 * stick in each call.",
+    Mistake("your code uses the stick's position as the reference. The stick "
+            "moves the reference by 0.002 * stick in each call.",
             replace("self.q_ref + 0.002 * stick", "stick")),
-    Mistake("your code doesn't clamp the reference at both ends. Keep it between joint.range[0] and joint.range[1].",
+    Mistake("your code doesn't clamp the reference to joint.range. Keep it between joint.range[0] and joint.range[1].",
             replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
                     "= -self.joint.range[1], self.joint.range[1]")),
-    Mistake("your code uses the clamped reference but stores the unclamped reference, which then takes time to "
-            "return into the range. Store the clamped reference.",
+    Mistake("your code stores the unclamped reference, which takes time to return to the range. "
+            "Store the clamped reference.",
             both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
                  replace("self.joint = joint", "self.far, self.joint = joint.position, joint"),
                  replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
-    Mistake("your code swaps the two gains. 200 is for the angle, 50 for the speed.",
+    Mistake("your code swaps the two gains. Use 200 for the angle and 50 for the speed.",
             replace("200 * (q_ref - q) + 50 *", "50 * (q_ref - q) + 200 *")),
     Mistake("your code computes dq_ref from the stick. Compute it from the "
             "clamped reference: (q_ref - self.q_ref) / self.time_step.",
@@ -89,13 +93,13 @@ MISTAKES = [
             replace("/ self.time_step", "/ 1.0")),
     Mistake("your code multiplies the speeds by time_step. A speed is a change divided by the time that it took.",
             replace("/ self.time_step", "* self.time_step")),
-    Mistake("your code doesn't store q in self.q_prev. The next call needs it for dq.",
+    Mistake("your code doesn't store q in self.q_prev. The next call needs q to compute dq.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = q_ref")),
-    Mistake("your code doesn't store q_ref in self.q_ref. The next call starts from it.",
+    Mistake("your code doesn't store q_ref in self.q_ref. The next call starts from q_ref.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
     Mistake("your code sets self.q_prev to the reference. Set it to the joint's angle, q.",
             replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
-    Mistake("your code computes the torque with the old reference. Move the reference first.",
+    Mistake("your code computes the torque from the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),
     Mistake("your code adds the torque to the previous one with +=. Set it with "
             "=: joint.effort still holds the torque of the previous step.",
@@ -153,8 +157,8 @@ CASES = [
     Case("10 calls at full stick, with the joint blocked", last((1.0, 0.0, 10))),
     Case("3 calls with the stick at rest", last((0.0, 0.0, 3))),
     Case("full stick for 10 calls, then at rest for 10", last((1.0, 0.0, 10), (0.0, 0.0, 10))),
-    Case("half stick down, the joint follows", last(STILL, (-0.5, -1.0, 20))),
-    Case("stick at rest, the joint is pushed", last((0.0, 0.0, 2), (0.0, 0.5, 20))),
+    Case("half stick down while the joint follows", last(STILL, (-0.5, -1.0, 20))),
+    Case("stick at rest while the joint is pushed", last((0.0, 0.0, 2), (0.0, 0.5, 20))),
     Case("full stick at the end of the range", last(UP, begin=0.7),
          "The reference probably stops too early or too late. Its limits "
          "are joint.range[0] and joint.range[1], in rad."),
@@ -166,8 +170,8 @@ CASES = [
     Case("a tenth of full stick", last((0.1, 0.0, 10)),
          "Your code probably ignores small deflections of the stick, or uses only the deflection's sign. "
          "The reference moves by 0.002 * stick."),
-    Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
-    Case("full stick, a joint with a different range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
+    Case("stick at rest while the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
+    Case("full stick, with a different joint range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
          "Your code probably hard-codes the ends of the range. Read them from joint.range."),
     Case("two joints in turn", two),
 ]  # fmt: skip

@@ -48,18 +48,19 @@ DISPLAYED, FIRST, DURING, BARREL = 3.33, 5.55, 9.99, 7.77  # [rad] angles that a
 
 ASK = "Have the simulation's thread read the joint for each request: self.ask(self.read, timeout=0.5)."
 READ = {
-    DISPLAYED: "Your code probably reads the displayed body, config.body. The simulated body is io.body in initialize.",
+    DISPLAYED: "Your code probably reads the joint of the displayed body, config.body. "
+    "The simulated body is io.body in initialize.",
     FIRST: f"Your code probably reads the joint only once, in initialize. {ASK}",
     DURING: f"Your code probably reads the joint on the executor's thread, in the middle of a step. {ASK}",
     BARREL: "Your code probably reads a different joint. The turret's joint is TURRET_Y.",
 }
 """The likely cause of each wrong angle."""
-FORMAT = 'The number is right. Write it with two decimals, even if they are 0, and the unit: f"{angle:.2f} rad".'
+FORMAT = 'The number is right. Write two decimals, even if they are 0, and then the unit: f"{angle:.2f} rad".'
 DEGREES = "Your code probably converts the angle to degrees. The joint's position is already in radians."
 FAILED = "The angle is right, but success is False. When ask has returned, set response.success = True."
 EMPTY = (
     "Your code probably returns the response before anything fills it in. call_later returns immediately, without a "
-    "result; ask waits for it. Set success and message, then return the response."
+    "result; ask waits for the result. Set success and message, then return the response."
 )
 NEVER = f"You never call config.ask. {ASK}"
 
@@ -172,13 +173,13 @@ def left(trial: Trial) -> str:
         return bench.leave()
 
 
-WHERE = f"Your code probably reads the joint in the middle of a step, on the executor's thread, or only once. {ASK}"
+WHERE = f"Your code probably reads the joint only once, or on the executor's thread, in the middle of a step. {ASK}"
 HOW = "Pass the request to the simulation's thread, and wait for the answer: self.ask(self.read, timeout=0.5)."
 CASES = [
-    Case("in a simulation, the turret at 0.25 rad", read("Tank", 0.25), WHERE),
+    Case("in a simulation, with the turret at 0.25 rad", read("Tank", 0.25), WHERE),
     Case("on the body Rover, in two simulations", read("Rover", -0.5, 1.0), WHERE),
     Case("without a simulation", refused,
-         "Your code probably reports success or its own text, or doesn't catch the error. If ask raises a "
+         "Your code probably reports success, uses a text of its own, or doesn't catch the error. If ask raises a "
          "RefusedError, set message to the error's text, and success to False.", crashes=True),
     Case("while a step takes 1.2 s", late,
          "Your code probably omits the timeout, or uses a different one. Write self.ask(self.read, timeout=0.5)."),

@@ -66,7 +66,10 @@ CLIENTS = (
     "In configure, create one client for each service, on config.node and with the service's name: "
     "self.node.create_client(Trigger, '/open_door', ...)."
 )
-WRONG_ASK = "config.ask is only for the simulation's thread, and it waits. Await the future of call_async instead."
+WRONG_ASK = (
+    "config.ask is only for the simulation's thread, and it blocks its caller. "
+    "Instead, await the future that call_async returns."
+)
 
 
 @contextmanager
@@ -107,7 +110,7 @@ def left(trial: Trial) -> str:
 
 CASES = [
     Case("a pit stop", stops(),
-         "Your code probably returns too early, calls in a different order, or returns the wrong response. "
+         "Your code probably returns too early, calls the services in the wrong order, or returns the wrong response. "
          "Await the response of /open_door, then the response of /go_home, and return the second response."),
     Case("a door that stays closed", stops(door="no key"),
          "Your code probably doesn't test opened.success, or returns a new response. If opened.success is False, "

@@ -46,20 +46,20 @@ def four_axes(message: Joy) -> list[float]:
 
 
 MISTAKES = [
-    Mistake("your code removes an invalid axis, so the later axes move up. Keep its place: use "
-            "0 if it isn't finite, otherwise the nearest limit.",
+    Mistake("your code removes an invalid axis, so the axes after it move to the wrong places. Use 0 if an axis "
+            "isn't finite, and the nearest limit if it is outside the range.",
             replace("*message.axes[:4],", "*filter(isfinite, message.axes[:4]),",
                     "*filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),")),
-    Mistake("your code loses the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
+    Mistake("your code never returns a negative number. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
             replace("max(axis, -1.0)", "max(axis, 0.0)", "abs(axis)")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: use the first four axes, in their order; "
-           "use 0 for each axis that is missing or not finite, and clamp the others.")  # fmt: skip
+           "use 0 for each axis that is missing or not finite, and clamp the other axes.")  # fmt: skip
 ALL = ("Your code probably copies all axes, or goes through all of them. "
-       "Start with message.axes[:4], which copies only four.")  # fmt: skip
+       "Start with message.axes[:4], which copies only four axes.")  # fmt: skip
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
-LONG = "it takes far longer than for four"
+LONG = "it takes far longer than for four axes"
 
 STEPS = 1000  # the maximum number of executed lines plus axes read; four axes need fewer than 100
 FOUR = (0.5, -0.625, 0.75, -1.0)
@@ -119,16 +119,16 @@ def million(trial: Trial) -> list[float]:
 
 
 SHORT = ("Your code probably expects four axes, or drops messages with fewer. "
-         "Use the axes that the message has; missing axes are 0.")  # fmt: skip
+         "Use the axes that the message has; missing axes count as 0.")  # fmt: skip
 INFINITE = ("Your code probably clamps an infinity to 1 or -1. Use 0 instead: check isfinite(axis) "
-            "first. (isnan finds only NaN.)")  # fmt: skip
-BEYOND = ("Your code probably leaves an axis outside of -1 to 1 unchanged, sets it to 0, "
+            "first. (isnan detects only NaN.)")  # fmt: skip
+BEYOND = ("Your code probably doesn't change an axis outside the range from -1 to 1, sets it to 0, "
           "or scales all axes. Clamp it: min(max(axis, -1.0), 1.0).")  # fmt: skip
 CASES = [
     Case("four axes", given(*FOUR)),
     Case("six axes", given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),
-         "Your code probably requires a fixed number of axes. A message can have more axes; use only the first four: "
-         "message.axes[:4].", crashes=True),
+         "Your code probably requires a fixed number of axes. A message can have more than four; use only the first "
+         "four: message.axes[:4].", crashes=True),
     Case("three axes", given(0.75, 0.5, -0.625), SHORT, crashes=True),
     Case("one axis", given(0.75), SHORT, crashes=True),
     Case("no axes", given(), SHORT, crashes=True),

@@ -48,20 +48,22 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
 
 
 MISTAKES = [
-    Mistake("your code filters names or positions before zip, so the rest are "
-            "paired wrongly. Zip the two lists first, then filter the pairs.",
+    Mistake("your code filters the names or the positions before zip pairs them, so the "
+            "pairs are wrong. Zip the two lists first, then filter the pairs.",
             replace("message.name, message.position", "[n for n in message.name if n in joint_names], message.position",
                     "message.name, [*filter(isfinite, message.position)]",
                     "message.name, [q for q in message.position if q == q]")),
-    Mistake("your code converts the positions. Return them unchanged: both sides use rad or m.",
+    Mistake("your code converts the positions. Return them unchanged: messages and bodies both use rad or m.",
             replace("name: position", "name: degrees(position)", "name: radians(position)")),
     Mistake("your code tests only for NaN. An infinity isn't finite either: use math.isfinite.",
             replace("isfinite(position)", "position == position")),
 ]  # fmt: skip
 MEANING = ("Your code probably uses the wrong pairs: use each pair "
            "whose name is in joint_names and whose position is finite.")  # fmt: skip
-A_DICT = "Return a dict that maps names to positions, empty if no pair is valid. dict(pairs) makes a dict from pairs."
-KEPT = "Your code probably reuses one dict in all calls. Make a new dict in every call, not as a default argument."
+A_DICT = (
+    "Return a dict that maps names to positions; it is empty if no pair is valid. dict(pairs) makes a dict from pairs."
+)
+KEPT = "Your code probably reuses one dict in all calls, such as a default argument. Make a new dict in every call."
 
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
@@ -99,21 +101,21 @@ def pairs(found: dict[Any, Any]) -> list[str]:
 
 UNKNOWN = ("Your code probably looks up unknown names, or stops at the first unknown name. Skip that pair, and "
            "continue.")  # fmt: skip
-EMPTY = "Your code probably expects at least one position. Without positions, return {}."
+EMPTY = "Your code probably expects at least one position. If there are no positions, return {}."
 NOT_A_NUMBER = ("Your code probably returns NaN, or lets it affect the other "
                 "joints. Skip only that pair; math.isfinite detects it.")  # fmt: skip
-TWICE = ("Your code probably uses the wrong position of a repeated name, "
+TWICE = ("Your code probably uses the wrong position for a repeated name, "
          "or omits the name. Use its last finite position.")  # fmt: skip
 CASES = [
     Case("all joints, in order", heard(BODY, (0.1, 0.2, 0.3)),
-         "Your code probably returns something other than {name: position} "
-         "with all pairs. Fill one dict, and return it after the loop.", crashes=True),
+         "Your code probably doesn't return a dict with all pairs, "
+         "{name: position}. Fill one dict, and return it after the loop.", crashes=True),
     Case("joints in a different order", heard(BODY[::-1], (0.3, 0.2, 0.1)),
          "Your code probably expects the joints in the body's order. "
-         "Take each position's joint from the message's names.", crashes=True),
+         "Use the message's names to find each position's joint.", crashes=True),
     Case("a message with only HATCH", heard(("HATCH",), (0.3,)),
-         "Your code probably expects every joint in every message, or invents a number for a missing joint. Omit a "
-         "joint that the message does not name.",
+         "Your code probably expects every joint in every message, or makes up a position for a missing joint. Omit "
+         "joints that the message does not name.",
          crashes=True),
     Case("an unknown name, ANTENNA", heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)), UNKNOWN, crashes=True),
     Case("3 names, 2 positions", heard(BODY, (0.1, 0.2)),
@@ -125,7 +127,8 @@ CASES = [
     Case("TURRET_Y twice, then smaller", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE,
          crashes=True),
     Case("TURRET_Y at 0, HATCH below 0", heard(BODY, (0.0, 0.2, -0.3)),
-         "Your code probably skips 0, as `if position` does, or negative numbers. Both are valid positions.",
+         "Your code probably skips 0, as `if position` does, or negative numbers. Zero and negative numbers are "
+         "valid positions.",
          crashes=True),
     Case("an unknown name in the middle", heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)), UNKNOWN,
          crashes=True),
@@ -148,7 +151,7 @@ CASES = [
     Case("infinity for HATCH", heard(BODY, (0.1, 0.2, inf)),
          "Your code probably tests only for NaN. An infinity isn't finite either: use math.isfinite.", crashes=True),
     Case("a body with one joint", heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
-         "Your code probably reads only as many names as the body has joints. Go through all names of the message.",
+         "Your code probably reads only as many names as the body has joints. Go through all names in the message.",
          crashes=True),
 ]  # fmt: skip
 

@@ -76,7 +76,7 @@ class GentleTank(SimpleController):
 
 
 MISTAKES = [
-    Mistake("control never gets the message, or sets no speed. Read "
+    Mistake("control never gets the message, or sets no speed. Call "
             "self.joy.get(), and set self.track_l.ctrl, not self.track_l.",
             replace("self.joy.put(message)", "pass")),
     Mistake("your code also moves the turret or the barrel. Set only the "
@@ -87,21 +87,21 @@ MISTAKES = [
                          "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
                          "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
-    Mistake("your code sets no speed while the stick is at rest, or ignores the message that says so. "
-            "The tank then keeps its last speed. Set the speed to 0.",
+    Mistake("your code sets no speed or ignores messages while the stick is at rest, "
+            "so the tank keeps its last speed. Set the speed to 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
-    Mistake("your code swaps left and right. If the stick is to the left (left_x > 0), the left track is slower and "
-            "the right track is faster.",
+    Mistake("your code swaps left and right. If you push the stick to the left (left_x > 0), the left track is slower "
+            "and the right track is faster.",
             replace("0.5 * left_x", "-0.5 * left_x")),
-    Mistake("your code swaps left_x and left_y. axes[0] is left_x, sideways, and axes[1] is left_y, forward.",
+    Mistake("your code swaps left_x and left_y. axes[0] is left_x (sideways), and axes[1] is left_y (forward).",
             replace("left_x, left_y =", "left_y, left_x =")),
-    Mistake("your code reads an axis of the right stick. The left stick is axes[0] and axes[1].",
+    Mistake("your code reads an axis of the right stick. The left stick's axes are axes[0] and axes[1].",
             replace("axes[:2]", "axes[2:]", "axes[1:3]", "[axes[2], axes[1]]", "[axes[0], axes[3]]")),
     Mistake("your code uses TankController's speeds, 2 y - x and 2 y + x. "
-            "Here they are half as fast: 1.0 * left_y and 0.5 * left_x.",
+            "GentleTank's tracks run half as fast: 1.0 * left_y and 0.5 * left_x.",
             both(replace("1.0 * left_y", "2.0 * left_y"), replace("0.5 * left_x", "1.0 * left_x"))),
     Mistake("your code has no dead zone. An axis counts as 0 if abs(axis) <= 0.3.", replace("> 0.3", "> -1")),
-    Mistake("your dead zone has a different width. Here it is 0.3 for each axis (TankController's is 0.2).",
+    Mistake("your dead zone has the wrong width. It has to be 0.3 for each axis (TankController's is 0.2).",
             replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
     Mistake("your code uses a single dead zone for both axes. Check each axis separately: abs(axis) > 0.3.",
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
@@ -188,7 +188,7 @@ def halved(trial: Trial, in_callback: bool) -> str:
         if not interleave(trial, function, between, turn):
             break
     whole = {after("start", axes, 1)(trial) for axes in WHOLE}
-    return "half of the message is used" if set(seen) - whole else "either the whole message is used, or none of it yet"
+    return "a step uses only part of a message" if set(seen) - whole else "each step uses a whole message"
 
 
 AT_REST = "Your code probably drops messages with centred sticks, so the tank keeps moving. Store every message."
@@ -196,19 +196,20 @@ MISSING = ("Your code probably expects every axis to be present, or drops messag
            "axes count as 0; four_axes(message) fills them in.")  # fmt: skip
 NEWEST = ("Your code probably lets messages expire, or drops messages that arrive too "
           "close together. Use the newest message until the next one arrives.")  # fmt: skip
-KEPT = "Your code probably creates self.joy in initialize, which discards the last message. Create it in configure."
+KEPT = "Your code probably creates self.joy in initialize, so the last message is lost. Create self.joy in configure."
 CASES = [
     Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
          "Your code probably uses \"/joy\" or a different topic or type, or doesn't "
          'subscribe. In configure, call create_subscription(Joy, "joy", ...).'),
-    Case("a message, before the next step", after("start", DRIVES),
-         "The callback probably sets the tracks. Set them only in control, on the simulation's thread."),
+    Case("after a message, before the next step", after("start", DRIVES),
+         "The callback probably sets the tracks' speeds. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
          "Your code probably assumes that a message has arrived. "
          "Before the first message, use an empty one: Latest(Joy()).",
          crashes=True),
-    Case("the second step does the same", second_step, "Your code probably smooths the speeds, or uses a message in "
-         "only one step. Set the full speeds immediately, and in every step."),
+    Case("the second step commands the same speeds", second_step,
+         "Your code probably smooths the speeds, or uses a message in only one step. "
+         "Set the full speeds immediately, and in every step."),
     *(Case(f"left_x {x:g}, left_y {y:g}", after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1)) for x, y in STICKS),
     Case("all sticks at rest", after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1), AT_REST),
     Case("all sticks almost at rest", after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1), AT_REST),
@@ -217,12 +218,12 @@ CASES = [
     Case("a message with 1 axis", after("start", DRIVES, 1, (1.0,), 1), MISSING, crashes=True),
     Case("a message with 8 axes", after("start", DRIVES, 1, (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4), 1),
          "Your code probably requires a fixed number of axes. "
-         "A message can have more: four_axes(message) returns the first four.",
+         "A message can have more than four: four_axes(message) returns the first four.",
          crashes=True),
     Case("300 steps without a message", after("start", DRIVES, 300), NEWEST),
     Case("four messages between two steps", after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
          "Your code probably queues the messages, or uses the first message. "
-         "Keep only the newest: put each message into the same Latest."),
+         "Keep only the newest message: put each one into the same Latest."),
     Case("a message before the start", after(DRIVES, "start", 1), KEPT),
     Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
     Case("two tanks", two,

@@ -152,7 +152,7 @@ WRONG = [
     (edited(answer, ("timeout=0.5", "timeout=0.1")), "or uses a different one"),
     (edited(answer, ("{self.joint.position:.2f}", "{round(self.joint.position, 2)}")), "two decimals"),
     (edited(answer, (":.2f} rad", ":.1f} rad")), "two decimals"),
-    (edited(answer, (":.2f} rad", ":.2f}")), "and the unit"),
+    (edited(answer, (":.2f} rad", ":.2f}")), "and then the unit"),
     (edited(answer, ("self.joint.position", "(self.joint.position * 57.2958)")), "already in radians"),
     (edited(answer, ("TURRET_Y", "TURRET_P")), "a different joint"),
     (edited(answer, ("{config.body.name}", "Tank")), "with a different name or type"),
@@ -165,6 +165,6 @@ WRONG = [
     (Polls, "before anything fills it in"),
     (Later, "before anything fills it in"),
     (Cached, "never call config.ask"),
-    (Displayed, "reads the displayed body"),
+    (Displayed, "reads the joint of the displayed body"),
     (DisplayedOnly, "config.body is the displayed body"),
 ]

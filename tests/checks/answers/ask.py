@@ -163,7 +163,7 @@ class OnlyOnce(PitCrew):
 
 
 CALL = ("await self.open_door.call_async(", "self.open_door.call("), (f"await {HOME}", "self.go_home.call(_request)")
-TOO_EARLY = "returns too early, calls in a different order, or returns the wrong response"
+TOO_EARLY = "returns too early, calls the services in the wrong order, or returns the wrong response"
 LEFT = "doesn't destroy everything"
 WRONG = [
     (WithUntil, "await the future itself"),
@@ -174,13 +174,13 @@ WRONG = [
     ),
     (edited(ask, OWN_GROUP), "separate callback group"),
     (edited(ask, ("opened = await", "opened =")), "Write await before it"),
-    (edited(ask, SYNC, (f"await {OPEN}", f"{OPEN}.result()"), ("await ", "")), "no result before it is done"),
+    (edited(ask, SYNC, (f"await {OPEN}", f"{OPEN}.result()"), ("await ", "")), "no result until it is done"),
     (WithADoneCallback, TOO_EARLY),
     (edited(ask, (OPEN, "self.second"), (HOME, OPEN), ("self.second", HOME)), TOO_EARLY),
     (edited(ask, (f"return await {HOME}", f"await {HOME}\nreturn opened")), TOO_EARLY),
     (edited(ask, (f"return await {HOME}", f"await {HOME}")), "forgot return"),
     (edited(ask, ("return opened", "return None")), "forgot return"),
-    (edited(ask, ("return opened", "return opened.message")), "or return something else"),
+    (edited(ask, ("return opened", "return opened.message")), "or returned something else"),
     (edited(ask, (", _response: Trigger.Response", "")), "with two arguments"),
     (edited(ask, (f"return await {HOME}", f"return {HOME}")), "call_async returns a future"),
     (edited(ask, SYNC, (f"opened = await {OPEN}", f"return {OPEN}"), ("await ", "")), "call_async returns a future"),
