@@ -181,5 +181,5 @@ WRONG = [
     (OneAfterAnother, "before it knows all new values"),
     (SpeedFirst, "before it knows all new values"),
     (LeavesACallback, "remove the callback"),
-    (DeclaresLast, "add yours after all declarations"),
+    (DeclaresLast, "add your callback after all declarations"),
 ]

@@ -16,10 +16,12 @@ _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
     *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS", "LOAD_GLOBAL"),
 }
-"""The instructions that occur in a function that does nothing, or only raises an exception."""
+"""The instructions that a function can contain if it does nothing or only raises an exception."""
 
-_HELP = {"initialize": " It gets the simulated body: io.body. In configure, config.body is the displayed body."}
-"""By a method's name, what the learner needs to know to write it."""
+_HELP = {
+    "initialize": " In initialize, io.body is the simulated body. In configure, config.body is the displayed body.",
+}
+"""What the learner needs to know to write a method, by the method's name."""
 
 _OURS = ("builtins", "tutorial.controller")
 _ENGINE = "tutorial.checks.engine."  # functions from here can be part of an answer's class
@@ -115,5 +117,5 @@ def _what_to_write(answer: type, part: str) -> str:
         return f"You probably misspelled its name: {near[0]} should be {part}."
     made = getattr(vars(answer).get("__init__"), "__code__", None)
     if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
-        return f"Its work is probably done in __init__. {NO_ARGUMENTS}"
+        return f"You probably put its code into __init__. {NO_ARGUMENTS}"
     return f"Write the method {part}; it is part of the answer.{_HELP.get(part, '')}"

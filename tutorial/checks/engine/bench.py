@@ -27,16 +27,16 @@ UNANSWERED = (
     "Await call_async in a coroutine, with the clients in a separate callback group."
 )
 SIGNATURE = "rclpy calls a service's callback with two arguments, the request and an empty response."
-NO_RETURN = "You probably forgot return, or return something else. A service's callback always returns a response."
+NO_RETURN = "You probably forgot return, or returned something else. A service's callback must return a response."
 HASTY = "Await each response before you call the next service."
 NOT_THERE = {
     "'Future'": "call_async returns a future, not the response. Write await before it, in a coroutine.",
     "'coroutine'": "Calling a coroutine function doesn't give you its result until you await the call. "
     "Write await before it.",
-    "'NoneType'": "There is no response yet: a future has no result before it is done, and call returns None after its "
+    "'NoneType'": "There is no response yet: a future has no result until it is done, and call returns None after its "
     "timeout. Await call_async in a coroutine.",
 }
-"""Likely causes of an exception, by a part of its text."""
+"""Likely causes of an exception, by a string in its text."""
 NO_LOOP = (
     "until and asyncio work only in a cell. In a callback, await the future itself, "
     "as in await self.client.call_async(request)."

@@ -22,7 +22,7 @@ from tutorial.checks.engine.trial import Trial
 # Tries `trial.answer` and returns an observation: a number of order 1, a string, or a list or dict of these.
 Run = Callable[[Trial], Any]
 
-CLOCK = "Your code probably reads the computer's clock. Use only the time that it receives."
+CLOCK = "Your code probably reads the computer's clock. Use only the time that your code receives."
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ DONE = b"done\n"
 LIMIT = 120.0  # [s] time limit for a whole check; the watchdog usually stops a slow answer much earlier
 OUTPUT_KEPT = 20_000  # bytes
 REST = 1.0  # [s] how long to read the rest of the output, in case a process of the answer holds the pipe open
-CLINGS = "The answer runs in a separate process, so get everything that it needs from config, io or its arguments."
+CLINGS = "The answer runs in a separate process. It must get everything that it needs from config, io or its arguments."
 OWN_LOOP = "The answer runs in a process with its own event loop: write asyncio.get_running_loop() instead."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
 
@@ -116,10 +116,10 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
         text, cause = "Python itself hangs", "A call into C code probably did not return, and blocked all threads."
     elif status >= 0:
         text = f"the process exited with status {status}"
-        cause = "Your code probably exits the whole process, as os._exit does. A controller only has to return."
+        cause = "Your code probably exits the whole process, as os._exit does. A method only has to return."
     else:
         text = f"the process was killed by the signal {signal.Signals(-status).name}"
-        cause = "Something outside of Python probably failed, such as a wrong call into a C library."
+        cause = "Code outside of Python probably crashed, for example after a wrong call into a C library."
     return wrong(text, cause, place)
 
 

@@ -21,10 +21,10 @@ _RETURNS = {
     "control": _STEPS,
     "aim": _STEPS,
     "unconfigure": "To wait until a thread has ended, join it. An empty queue does not mean that the thread has ended.",
-    "update": "{} runs on the main thread, which does nothing else until it returns: draw, and return.",
+    "update": "{} runs on the main thread, which does nothing else meanwhile: draw, and return.",
     "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
-"""By method name, why the method must return at once."""
+"""Why a method must return at once, by the method's name."""
 _PROGRAMS = "Remove this call: the program calls rclpy.init, spins {}, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
@@ -34,22 +34,22 @@ _KEEP = {
 }
 _UNSET = "Your code probably reads it before it is set: "
 _LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as the subscription exists."
-_CLASS = "You probably forgot the parentheses: {0} is the class, {0}(...) creates an object."
+_CLASS = "You probably forgot the parentheses: {0} is the class, and {0}(...) creates an object."
 _GENERAL = "Fix this line first. The check stopped here."
 _CAUSES = {
     r"RuntimeError: .*event loop": "Your code probably uses the event loop outside of the main thread. Post a call, "
     "self.call_later(self.update, message): the posted call can use the loop.",
-    r"AttributeError: 'tuple'": "This is a tuple. Unpack it, as in positions, report = match_joints(...).",
+    r"AttributeError: 'tuple'": "The value is a tuple. Unpack it, as in positions, report = match_joints(...).",
     r"AttributeError: type object '(\w+)'": _CLASS,
     r"AttributeError: .* has no attribute '(?:nano)?sec'": "The stamp is probably a number, or a Time that "
     "is not a message. Convert it to a message: Time(nanoseconds=self.io.time_ns).to_msg().",
-    r"ParameterNotDeclaredException": "No such parameter is declared yet. Declaring a parameter calls the callbacks, "
-    "too: add yours after all declarations.",
+    r"ParameterNotDeclaredException": "No parameter with this name is declared yet. Each declaration also calls the "
+    "callbacks, so add your callback after all declarations.",
     r"TypeError: the first argument must be callable": "Your code probably calls the function immediately. Pass it "
     "without parentheses, as in self.ask(self.read).",
-    r"TypeError: unsupported format string passed to NoneType": "The number is None: the function that returns it "
+    r"TypeError: unsupported format string passed to NoneType": "The number is None: the function that computes it "
     "probably lacks return.",
-    r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict. Use a tuple of numbers, or a name.",
+    r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be a key in a dict. Use a tuple of numbers, or a name.",
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
     r"TypeError: (?:\S+\.)?(on_\w+)\(\) missing 1 required positional argument": AT_ONCE,
@@ -90,7 +90,7 @@ def _programs(answer: Any) -> str:
 
 def slept(method: str) -> str:
     """Return the advice for a method that sleeps."""
-    return f"Don't sleep or wait. {_returns(method) or 'Until it returns, nothing else runs.'}"
+    return f"Don't sleep or wait. {_returns(method) or 'Nothing else runs until the method returns.'}"
 
 
 def endless(method: str) -> str:

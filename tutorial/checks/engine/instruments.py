@@ -19,7 +19,7 @@ NOTED = (
     *((time, "sleep", "sleep"), (threading.Condition, "wait", "sleep"), (threading.Thread, "start", "thread")),
     *((time, name, "clock") for name in CLOCKS),
 )
-"""The recorded functions: a module or class, the function's name, and its key in `Trial.noted`."""
+"""The recorded functions, each with its module or class, its name, and its key in `Trial.noted`."""
 
 _BETWEEN = {module.__file__ for module in (threading, queue, futures, pools)}
 

@@ -16,15 +16,18 @@ from tutorial.checks.engine.exceptions import AT_ONCE
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 
-IN_STOP = "Your code probably destroys it in stop, so it is missing after a restart. Destroy it in unconfigure."
+IN_STOP = (
+    "Your code probably destroys the publisher in stop, so the publisher is missing after a restart. "
+    "Destroy it in unconfigure."
+)
 THE_NODE = "config.node belongs to the whole program. In unconfigure, destroy only the {0}: {1}."
 TOO_MANY = (
-    "Your code probably creates one at each start, or super().configure(config) creates another. "
-    "Create one {0}, in configure."
+    "Your code probably creates a {0} at each start, or super().configure(config) creates another one. "
+    "Create only one {0}, in configure."
 )
 LEFT = (
-    "unconfigure is probably missing, or lacks {1}. Setting a flag or None, or calling self.{0}.destroy(), does not "
-    "notify the node."
+    "unconfigure is probably missing, or lacks {1}. Setting a flag, setting self.{0} to None, or calling "
+    "self.{0}.destroy() does not notify the node."
 )
 
 
