@@ -70,7 +70,7 @@ REVERSED = replace(
 )
 MISTAKES = [
     Mistake("your code requires the same reliability on both sides. "
-            "A subscription that is not reliable accepts any publisher.",
+            "A best-effort subscription accepts both best-effort and reliable publishers.",
             replace("if each.reliable or not subscription.reliable", "if each.reliable == subscription.reliable",
                     "if each.reliable")),
     Mistake("your code tests reliability the wrong way round: the publisher has to offer at least what the "
@@ -78,7 +78,8 @@ MISTAKES = [
             replace("if each.reliable or not subscription.reliable", "if subscription.reliable or not each.reliable")
             + REVERSED
             + both(REVERSED, replace("if not durable:", "if subscription.transient_local and not durable:"))),
-    Mistake("your code requires the same durability on both sides. A VOLATILE subscription accepts any publisher.",
+    Mistake("your code requires the same durability on both sides. "
+            "A volatile subscription accepts both volatile and transient local publishers.",
             replace("if each.transient_local or not subscription.transient_local",
                     "if each.transient_local == subscription.transient_local", "if each.transient_local")),
     Mistake("your code tests durability the wrong way round: the publisher has to offer at least what the "
@@ -89,18 +90,19 @@ MISTAKES = [
                       "if not subscription.transient_local and all(each.transient_local for each in reliable):",
                       "if not subscription.transient_local and any(each.transient_local for each in reliable):")),
     Mistake("your code checks only the first publisher. "
-            "A subscription needs one compatible publisher: check all publishers.",
+            "A subscription needs only one compatible publisher: check all publishers.",
             replace("facts.publishers if each.type", "facts.publishers[:1] if each.type")
             + replace("if not same:", "if facts.publishers[0].type != subscription.type:")
             + replace("if not reliable:", "if subscription.reliable and not facts.publishers[0].reliable:")),
-    Mistake("your code checks only the first subscription. Check all subscriptions: a single one can be incompatible.",
+    Mistake("your code checks only the first subscription. "
+            "Check all subscriptions, because any of them can be incompatible.",
             replace("in facts.subscriptions", "in facts.subscriptions[:1]")),
     Mistake("your code requires every publisher to be compatible. "
             "One compatible publisher is enough for a subscription.",
             replace("if not same:", "if len(same) < len(facts.publishers):")
             + replace("if not reliable:", "if len(reliable) < len(same):")
             + replace("if not durable:", "if len(durable) < len(reliable):")),
-    Mistake("your code tests for the type too late, or not at all. Return the first cause in the list that applies.",
+    Mistake("your code compares the types too late, or not at all. Return the first cause in the list that applies.",
             replace("if not same:", "if subscription.reliable and not reliable:\n    return 'reliability'\n"
                                     "if not same:")
             + replace('return "type"', "pass")),
@@ -112,10 +114,10 @@ MISTAKES = [
                     "    return 'clock' if waiting and not facts.clock_ticks else 'silent'\n"
                     "for subscription in facts",
                     "if not facts.received:\n    return 'silent'\nfor subscription in facts")),
-    Mistake("your code returns 'silent' before it tests for the clock. "
+    Mistake("your code returns 'silent' before it checks whether 'clock' applies. "
             "Return the first cause in the list that applies.",
             replace('"clock" if waiting and not facts.clock_ticks else "silent"', '"silent"')),
-    Mistake("your code compares clock_users with the nodes of the subscriptions. "
+    Mistake("your code tests whether the subscriptions' nodes are in clock_users. "
             "The publisher's node has to follow /clock.",
             replace("clock_users for each in facts.publishers", "clock_users for each in facts.subscriptions")),
     Mistake("your code blames the clock although messages arrive on /clock. Also test clock_ticks.",
@@ -123,14 +125,16 @@ MISTAKES = [
     Mistake("your code blames the clock although no publisher follows /clock. "
             "Test whether the node of a publisher is in clock_users.",
             replace("waiting and not", "not", "facts.clock_users and not")),
-    Mistake("your code reports dropped messages as soon as one message moves no joint. Require more than half of them.",
+    Mistake("your code reports dropped messages as soon as one message moves no joint. "
+            "Return 'dropped' only if more than half of the messages move no joint.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved")),
-    Mistake("your code reports dropped messages only if no message moves a joint. More than half is enough.",
+    Mistake("your code reports dropped messages only if no message moves a joint. "
+            "It is enough if more than half of the messages move no joint.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved == facts.received")),
 ]  # fmt: skip
-MEANING = ("Compare your steps with these: without a publisher, domain or nobody. Then, for each subscription: "
-           "type, reliability and durability, across all publishers. Then clock or silent, "
-           "and finally dropped.")  # fmt: skip
+MEANING = ("Compare your steps with these: If there is no publisher, return 'domain' or 'nobody'. Then, for each "
+           "subscription, compare type, reliability and durability with those of all publishers. "
+           "After that, test for 'clock' and 'silent', and finally for 'dropped'.")  # fmt: skip
 NAMES = "domain", "nobody", "type", "reliability", "durability", "clock", "silent", "dropped"
 A_NAME = f"Return one of {', '.join(map(repr, NAMES))}, or None."
 
@@ -175,66 +179,73 @@ def named(trial: Trial, facts: Facts) -> str:
     return returned or "all is well"
 
 
-ORDER = "Your code probably tests the causes in a different order. Return the first one in the list that applies."
-OTHER_TYPE = "Your code probably counts a publisher of a different type, which never matches the subscription."
-EACH = ("Your code probably checks only one subscription, or only whether "
-        "any of them has a publisher. Each needs a publisher.")  # fmt: skip
-ALONE = ("Your code probably looks at other facts first. Without a publisher, "
-         "only found_in distinguishes the two causes.")  # fmt: skip
-TYPES = "Your code probably doesn't compare the types of both sides: each.type == subscription.type."
+ORDER = "Your code probably tests the causes in the wrong order. Return the first cause in the list that applies."
+OTHER_TYPE = "Your code probably accepts a publisher whose type differs from the subscription's: the two never match."
+EACH = ("Your code probably checks only one subscription, or only whether any of them "
+        "has a compatible publisher. Every subscription needs a compatible publisher.")  # fmt: skip
+ALONE = ("Your code probably looks at other facts first. If there is no publisher, "
+         "only found_in tells you whether the cause is 'domain' or 'nobody'.")  # fmt: skip
+TYPES = ("Your code probably doesn't compare the publisher's type with "
+         "the subscription's: each.type == subscription.type.")  # fmt: skip
 CASES = [
     Case("a compatible publisher and subscription", graph(TANK)),
     Case("no publisher anywhere", graph(), ALONE, crashes=True),
-    Case("a publisher in domain 5", graph(found_in=(5,)), ALONE, crashes=True),
-    Case("publishers here and in domain 5", graph(TANK, found_in=(5,)),
-         "Your code probably looks at other domains although there is a publisher here. "
+    Case("a publisher only in domain 5", graph(found_in=(5,)), ALONE, crashes=True),
+    Case("publishers in this domain and in domain 5", graph(TANK, found_in=(5,)),
+         "Your code probably looks at other domains although there is a publisher in this domain. "
          "In that case, ignore found_in."),
     Case("a publisher of Imu messages", graph(STRANGER), TYPES),
     Case("a publisher of String messages", graph(SPEAKER), TYPES),
-    Case("a publisher of Imu messages, a best-effort subscription", graph(STRANGER, to=(EASY,)), TYPES),
-    Case("a publisher of Imu messages, a transient local subscription", graph(STRANGER, to=(LATE,)), ORDER),
-    Case("a best-effort publisher, a reliable subscription", graph(SENSOR)),
-    Case("a reliable publisher, a best-effort subscription", graph(TANK, to=(EASY,))),
-    Case("both best effort", graph(SENSOR, to=(EASY,))),
-    Case("a volatile publisher, a transient local subscription", graph(TANK, to=(LATE,))),
-    Case("a transient local publisher, a volatile subscription", graph(KEEPER)),
-    Case("both transient local", graph(KEEPER, to=(LATE,))),
-    Case("a transient local best-effort publisher, a subscription that asks for both", graph(LOSER, to=(LATE,)), ORDER),
-    Case("a volatile best-effort publisher, a subscription that asks for both", graph(SENSOR, to=(LATE,)), ORDER),
-    Case("both best effort and transient local", graph(LOSER, to=(EASY_LATE,)),
-         "Your code probably requires a reliable publisher even for a best-effort subscription, which accepts any."),
-    Case("two publishers, the second one is compatible", graph(SENSOR, TANK)),
-    Case("two publishers, the first one is compatible", graph(KEEPER, TANK, to=(LATE,))),
-    Case("two publishers: one is reliable, the other one keeps messages", graph(TANK, LOSER, to=(LATE,)),
-         "Your code probably accepts a reliable publisher and a durable one. A single publisher has to be both."),
-    Case("two publishers, the first one of a different type", graph(STRANGER, TANK)),
-    Case("two publishers, the second one of a different type", graph(TANK, STRANGER)),
-    Case("two publishers, only the one of a different type is reliable", graph(SENSOR, STRANGER), OTHER_TYPE),
-    Case("two publishers, only the one of a different type keeps messages",
+    Case("a publisher of Imu messages and a best-effort subscription", graph(STRANGER, to=(EASY,)), TYPES),
+    Case("a publisher of Imu messages and a transient local subscription", graph(STRANGER, to=(LATE,)), ORDER),
+    Case("a best-effort publisher and a reliable subscription", graph(SENSOR)),
+    Case("a reliable publisher and a best-effort subscription", graph(TANK, to=(EASY,))),
+    Case("a best-effort publisher and subscription", graph(SENSOR, to=(EASY,))),
+    Case("a volatile publisher and a transient local subscription", graph(TANK, to=(LATE,))),
+    Case("a transient local publisher and a volatile subscription", graph(KEEPER)),
+    Case("a transient local publisher and subscription", graph(KEEPER, to=(LATE,))),
+    Case("a transient local best-effort publisher and a transient local reliable subscription",
+         graph(LOSER, to=(LATE,)), ORDER),
+    Case("a volatile best-effort publisher and a transient local reliable subscription",
+         graph(SENSOR, to=(LATE,)), ORDER),
+    Case("a transient local best-effort publisher and subscription", graph(LOSER, to=(EASY_LATE,)),
+         "Your code probably requires a reliable publisher even for a best-effort subscription, "
+         "which doesn't need one."),
+    Case("two publishers, and only the second is compatible", graph(SENSOR, TANK)),
+    Case("two publishers, and only the first is compatible", graph(KEEPER, TANK, to=(LATE,))),
+    Case("two publishers: one is reliable, and the other is transient local", graph(TANK, LOSER, to=(LATE,)),
+         "Your code probably tests for a reliable publisher and for a transient local one separately. "
+         "The same publisher has to be reliable and transient local."),
+    Case("two publishers, and only the first has the wrong type", graph(STRANGER, TANK)),
+    Case("two publishers, and only the second has the wrong type", graph(TANK, STRANGER)),
+    Case("two publishers, and only the one of the wrong type is reliable", graph(SENSOR, STRANGER), OTHER_TYPE),
+    Case("two publishers, and only the one of the wrong type is transient local",
          graph(TANK, KEEPING_STRANGER, to=(LATE,)), OTHER_TYPE),
-    Case("two subscriptions, the second one refuses", graph(TANK, to=(VIEWER, LATE)), EACH),
-    Case("two subscriptions, the first one refuses", graph(TANK, to=(LATE, VIEWER)), EACH),
-    Case("two subscriptions, one of a different type", graph(TANK, to=(VIEWER, SHAKER)), EACH),
-    Case("two subscriptions, only one of them accepts best effort", graph(SENSOR, to=(EASY, VIEWER)), EACH),
+    Case("two subscriptions, and only the second is incompatible", graph(TANK, to=(VIEWER, LATE)), EACH),
+    Case("two subscriptions, and only the first is incompatible", graph(TANK, to=(LATE, VIEWER)), EACH),
+    Case("two subscriptions, and only the second has the wrong type", graph(TANK, to=(VIEWER, SHAKER)), EACH),
+    Case("two subscriptions, and only the first accepts a best-effort publisher",
+         graph(SENSOR, to=(EASY, VIEWER)), EACH),
     Case("no subscription", graph(TANK, to=()),
-         "Your code probably expects a subscription. Without a subscription, continue with the messages.",
+         "Your code probably expects at least one subscription. If there is no subscription, go on to the messages.",
          crashes=True),
     Case("no message arrives", graph(TANK, received=0)),
     Case("no message arrives, and the types differ", graph(STRANGER, received=0), ORDER),
-    Case("no message arrives, and reliability differs", graph(SENSOR, received=0), ORDER),
-    Case("no message arrives, and durability differs", graph(TANK, to=(LATE,), received=0), ORDER),
+    Case("no message arrives, and the reliability is incompatible", graph(SENSOR, received=0), ORDER),
+    Case("no message arrives, and the durability is incompatible", graph(TANK, to=(LATE,), received=0), ORDER),
     Case("no message arrives, and the publisher follows /clock", graph(TANK, received=0, clock_users=("/tank",))),
-    Case("no message arrives, the publisher follows /clock, which ticks",
+    Case("no message arrives, the publisher follows /clock, and the clock ticks",
          graph(TANK, received=0, clock_users=("/tank",), clock_ticks=200)),
     Case("no message arrives, and only the viewer follows /clock",
          graph(TANK, received=0, clock_users=("/viewer",))),
     Case("no message arrives, and one of three publishers follows /clock",
          graph(TANK, KEEPER, SENSOR, received=0, clock_users=("/keeper",)),
-         "Your code probably requires every publisher to follow /clock, or checks only one. A single one is enough."),
+         "Your code probably requires every publisher to follow /clock, or checks only one publisher. "
+         "One publisher that follows /clock is enough."),
     Case("no message arrives, and only nodes with similar names follow /clock",
          graph(TANK, received=0, clock_users=("/tank2", "/tan")),
          "Your code probably matches only part of the name. Compare whole names: each.node in facts.clock_users."),
-    Case("messages arrive without a clock", graph(TANK, clock_users=("/tank",)),
+    Case("messages arrive although /clock doesn't tick", graph(TANK, clock_users=("/tank",)),
          "Your code probably blames the clock although messages arrive. Also test received."),
     Case("no message moves a joint", graph(TANK, unmoved=20)),
     Case("12 of 20 messages move no joint", graph(TANK, unmoved=12)),

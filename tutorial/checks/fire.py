@@ -66,22 +66,23 @@ class FireButton(Listener):
 
 
 MISTAKES = [
-    Mistake("your configure doesn't subscribe, so no message arrives. "
-            "Call super().configure(config) in it, or remove it.",
+    Mistake("your configure method doesn't subscribe, so no message arrives. "
+            "Call super().configure(config) in it, or remove the method.",
             replace("def on_joy(self,", "def configure(self, config): self.node = config.node\ndef on_joy(self,",
                     "def configure(self, config): pass\ndef unconfigure(self): pass\ndef on_joy(self,")),
-    Mistake("on_joy never puts True into self.fire. It has to put "
-            "message.buttons[0] == 1; a list never equals 1, and 1 is not True.",
+    Mistake("on_joy never puts True into self.fire. Put message.buttons[0] == 1 into it: "
+            "a whole list never equals 1, and the number 1 is not the object True.",
             replace("== 1", "is True")),
-    Mistake("your code doesn't put False after the release, or ignores messages in quick succession. Put every state.",
+    Mistake("your code doesn't put False when the button is released, or ignores messages in quick succession. "
+            "Put the button's state from every message into self.fire.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
-    Mistake("your code toggles the value each time the button goes down, "
-            "like a switch. Put True while the button is pressed.",
+    Mistake("your code toggles the value each time the button is pressed, "
+            "like a light switch. Put True while the button is pressed.",
             both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
     Mistake("your code waits for a second message with the same state (debouncing). "
-            "Put the state of each message into self.fire immediately.",
+            "Put the button's state from each message into self.fire immediately.",
             both(replace("self.fire = Latest(False)", "self.was, self.fire = None, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "pressed == self.was and self.fire.put(pressed)\nself.was = pressed"))),
@@ -92,10 +93,10 @@ MISTAKES = [
 MEANING = "Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1."
 NO_LATEST = ("Your code probably assigns to self.fire. Use the Latest "
              "that __init__ made: self.fire.put(...) replaces its value.")  # fmt: skip
-NO_TRUTH = "Put True or False. bool(...) converts any value to one of them."
+NO_TRUTH = "Put True or False into self.fire. bool(...) converts any value to True or False."
 NO_CLOCK = (
-    "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put each message's "
-    "state immediately."
+    "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). "
+    "Put the button's state from each message into self.fire immediately."
 )
 
 
@@ -113,7 +114,7 @@ def held(rig: Rig, *states: tuple[int, ...]) -> bool:
         raise Failure("on_joy", Misuse("self.fire is no longer the Latest that __init__ made", NO_LATEST), None)
     value = latest.get()
     if not np.isscalar(value) or value not in (0, 1):
-        raise Failure("on_joy", Misuse(f"it puts a value of the type {type(value).__name__}", NO_TRUTH), None)
+        raise Failure("on_joy", Misuse(f"it puts a value of type {type(value).__name__}", NO_TRUTH), None)
     return bool(value)
 
 
@@ -137,30 +138,31 @@ def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
         return look(rig)
 
 
-BUTTON_0_IS_PRESSED = ("Your code probably reads a different button, or swaps True "
+BUTTON_0_IS_PRESSED = ("Your code probably reads the wrong button, or swaps True "
                        "and False. The first button is message.buttons[0].")  # fmt: skip
-BUTTON_1_IS_PRESSED = ("Your code probably reads a different button, or "
-                       "all of them. Read only the first: message.buttons[0].")  # fmt: skip
+BUTTON_1_IS_PRESSED = ("Your code probably reads the wrong button, or all buttons. "
+                       "Read only the first button: message.buttons[0].")  # fmt: skip
 CASES = [
     Case("the topic", lambda trial: Rig(trial).node.on(Joy, "joy"),
-         "Your configure probably doesn't subscribe to "
-         '"joy". Call super().configure(config) in it, or remove it.'),
+         "Your configure method probably doesn't subscribe to "
+         '"joy". Call super().configure(config) in it, or remove the method.'),
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
-    Case("button 0 is still held in a second message", after((1, 0), (1, 0)),
-         "Your code probably puts True only when the button goes down. Put True while it is pressed."),
-    Case("button 0 is released", after((1, 0), (0, 0)), "True stays: your code probably doesn't put False after the "
-         "release, or ignores messages in quick succession."),
-    Case("button 0 is pressed, after a message where it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 0 is still pressed in a second message", after((1, 0), (1, 0)),
+         "Your code probably puts True only when the button goes down. Put True while the button is pressed."),
+    Case("button 0 is released", after((1, 0), (0, 0)),
+         "Your code probably doesn't put False when the button is released, "
+         "or ignores messages in quick succession."),
+    Case("button 0 is pressed, after a message in which it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),
-    Case("a message without buttons, after one with button 0 pressed", after((1, 1), ()),
+    Case("a message without buttons, after a message in which button 0 is pressed", after((1, 1), ()),
          "Your code probably reads message.buttons[0] without checking "
-         "that it exists, or puts nothing. Put False if there is no button.", crashes=True),
-    Case("a message with only one button, pressed", after((1,)),
+         "that it exists, or doesn't change self.fire. Put False if there is no button.", crashes=True),
+    Case("a message with a single button, which is pressed", after((1,)),
          "Your code probably requires more than one button. One is enough: len(message.buttons) > 0.", crashes=True),
-    Case("two tanks, and button 0 of the first one's joystick is pressed", two),
-    Case("a message as soon as the subscription exists", early(Rig, Joy(buttons=[1]))),
+    Case("two tanks, and button 0 is pressed on the first tank's joystick", two),
+    Case("a message arrives as soon as the subscription exists", early(Rig, Joy(buttons=[1]))),
     Case("after unconfigure", lambda trial: Rig(trial).leave()),
 ]  # fmt: skip
 

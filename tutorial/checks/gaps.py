@@ -55,13 +55,13 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = [
-    Mistake("your code sorts the messages, which hides a restart: keep the bag's order.",
+    Mistake("your code sorts the messages. Sorting hides restarts: keep the bag's order.",
             replace("in messages:", "in sorted(messages, key=lambda pair: stamps_of([pair])):")),
-    Mistake("your code compares each stamp with the one before it, which "
-            "may have been late: compare it with the newest so far.",
+    Mistake("your code compares each stamp with the previous one, which may be from "
+            "a late message: compare each stamp with the newest one so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
     Mistake("your code reports every jump backwards as a restart: "
-            "a stamp up to 1 s older than the newest is only late.",
+            "a message is only late if its stamp is at most 1 s older than the newest one.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
     Mistake("your code computes seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",
@@ -73,7 +73,7 @@ MISTAKES = [
     Mistake("your code subtracts unsigned integers, which wrap around below 0: convert them with int(...) first.",
             both(replace("stamp - newest >", "(stamp - newest) % 2**64 >"),
                  replace("newest - stamp >", "(newest - stamp) % 2**64 >"))),
-    Mistake("your code returns gaps and restarts separately: keep the bag's order.",
+    Mistake("your code lists gaps and restarts separately: list them in the bag's order.",
             replace("return found", "return sorted(found, key=lambda each: each[0])",
                     "return sorted(found, key=lambda each: each[0], reverse=True)")),
     Mistake("your code skips a gap or restart that is identical to an earlier one: report it again.",
@@ -83,19 +83,20 @@ MISTAKES = [
             replace('"restart", newest, stamp))', '"restart", newest, stamp))\nstamp = 0',
                     '"restart", newest, stamp))\ncontinue')),
     Mistake("your code always returns an empty list: compare each stamp "
-            "with the newest so far, and don't hide errors with `try`.",
+            "with the newest one so far, and don't hide errors with `try`.",
             replace("return found", "return []")),
-    Mistake("your code uses only sec or only nanosec, which restarts at 0 every second: a stamp consists of both.",
+    Mistake("your code uses only sec or only nanosec, which restarts at 0 every second: "
+            "a stamp consists of sec and nanosec.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
-    Mistake("your code compares the bag's own times. These are times of receipt: compare the stamps.",
+    Mistake("your code compares the times at which the messages were received: compare their stamps.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "_")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "
            'in nanoseconds. Compare each stamp with it, append ("gap", newest, stamp) or '
            '("restart", newest, stamp) where needed, and then update newest.')  # fmt: skip
 A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), or [] if there are no events.'
-WORDS = 'The only kinds of events are "gap" and "restart". A late message is not reported.'
+WORDS = 'The only kinds of events are "gap" and "restart". Do not report late messages.'
 
 HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
@@ -155,46 +156,47 @@ def whole(number: Any) -> str | float:
     return f"{int(number):_}" if is_exact else float(number)
 
 
-A_GAP = ("Your code probably uses a different limit, or appends something else. If a stamp is more than 100_000_000 "
-         'ns ahead, append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
+A_GAP = ("Your code probably uses the wrong limit, or appends the wrong values. "
+         "If a stamp is more than 100_000_000 ns ahead of newest, "
+         'append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
 RECEIPT = f"Most likely {MISTAKES[-1].cause}"
 BOTH_PARTS = ("Your code probably uses only sec or only nanosec, which restarts "
-              "at 0 every second: a stamp consists of both.")  # fmt: skip
+              "at 0 every second: a stamp consists of sec and nanosec.")  # fmt: skip
 FRACTION = "Your code probably computes seconds as floats, which are rounded: use whole nanoseconds."
-RESTART_FROM_0 = ("Your code probably uses a different limit for restarts: a restart's stamp is more "
-                  "than 1_000_000_000 ns before the newest one.")  # fmt: skip
-NEWEST = ("Your code probably compares each stamp with the one before it, or reports "
-          "any jump backwards as a restart: compare each stamp with the newest so far.")  # fmt: skip
-EXACTLY = ("Your code probably compares with >=, or compares floats, which are rounded. Exactly 0.1 "
-           "s ahead, or exactly 1 s back, is not an event: compare whole nanoseconds with >.")  # fmt: skip
+RESTART_FROM_0 = ("Your code probably uses the wrong limit for restarts: the first stamp after a restart is more "
+                  "than 1_000_000_000 ns older than the newest one.")  # fmt: skip
+NEWEST = ("Your code probably compares each stamp with the previous one, or reports every "
+          "jump backwards as a restart: compare each stamp with the newest one so far.")  # fmt: skip
+EXACTLY = ("Your code probably compares with >=, or compares floats, which are rounded. A stamp exactly 0.1 s "
+           "ahead or exactly 1 s back is not an event: compare whole nanoseconds with >.")  # fmt: skip
 CASES = [
     Case("20 ms apart", bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
-         "This bag has no events. Your code probably gives the newest stamp a value before the first "
-         "message, or uses limits in a different unit: start with None; 0.1 s is 100_000_000 ns."),
-    Case("the bag's times are 3 s apart, the stamps 20 ms", bag(1.0, 1.02, 1.04, every=3.0), RECEIPT),
+         "This bag contains no events. Your code probably doesn't set newest to None before the first message, "
+         "or uses limits in the wrong unit: 0.1 s is 100_000_000 ns."),
+    Case("the bag's times are 3 s apart, and the stamps are 20 ms apart", bag(1.0, 1.02, 1.04, every=3.0), RECEIPT),
     Case("0.09 s without a message", bag(1.0, 1.02, 1.11, 1.13), A_GAP),
     Case("0.3 s without a message", bag(1.0, 1.02, 1.32, 1.34), A_GAP),
-    Case("the bag's times are equal, the stamps 0.3 s apart", bag(1.0, 1.02, 1.32, 1.34, every=0.0), RECEIPT),
+    Case("the bag's times are equal, and the stamps are 0.3 s apart", bag(1.0, 1.02, 1.32, 1.34, every=0.0), RECEIPT),
     Case("a gap across the start of a second", bag(2.9, 2.95, 3.08, 3.1), BOTH_PARTS),
     Case("the start of a second, without a gap", bag(2.96, 2.98, 3.0, 3.02), BOTH_PARTS),
     Case("stamps with a fraction of a millisecond", bag(1.000000137, 1.019999861, 1.290000449, 1.310000071), FRACTION),
-    Case("a restart from 0", bag(3.96, 3.98, 0.0, 0.02), RESTART_FROM_0),
-    Case("a late message, no gap", bag(1.0, 1.08, 1.02, 1.14, 1.16), NEWEST),
+    Case("a restart at 0 s", bag(3.96, 3.98, 0.0, 0.02), RESTART_FROM_0),
+    Case("a late message without a gap", bag(1.0, 1.08, 1.02, 1.14, 1.16), NEWEST),
     Case("a late message after a gap", bag(1.0, 1.6, 1.1, 1.62), NEWEST),
     Case("a late message before a gap", bag(1.0, 1.02, 1.01, 1.14), NEWEST),
     Case("half a second late", bag(1.0, 1.02, 0.52, 1.04), RESTART_FROM_0),
     Case("a late message, then a restart", bag(5.0, 4.2, 3.9, 3.92), NEWEST),
     Case("equal stamps", bag(1.0, 1.0, 1.02, 1.02)),
     Case("exactly 0.1 s apart", bag(0.8, 0.9, 1.0, 1.1), EXACTLY),
-    Case("exactly 1 s back", bag(2.0, 1.0, 2.02), EXACTLY),
-    Case("1 s and 1 ns back", bag(2.0, 0.999999999), RESTART_FROM_0),
-    Case("1.8 s back", bag(3.9, 2.1, 2.12), RESTART_FROM_0),
-    Case("a gap after 0 s", bag(0.0, 0.5, 0.52),
+    Case("a stamp exactly 1 s back", bag(2.0, 1.0, 2.02), EXACTLY),
+    Case("a stamp 1 s and 1 ns back", bag(2.0, 0.999999999), RESTART_FROM_0),
+    Case("a stamp 1.8 s back", bag(3.9, 2.1, 2.12), RESTART_FROM_0),
+    Case("a gap after the stamp 0 s", bag(0.0, 0.5, 0.52),
          "Your code probably treats the stamp 0 as missing: test whether newest `is None`."),
     Case("a restart, then a gap", bag(3.98, 0.0, 0.02, 0.42, 0.44)),
     Case("two restarts", bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52)),
-    Case("a restart from 50 s", bag(100.0, 100.02, 50.0, 50.02)),
-    Case("the same restart twice, and the same gap", bag(5.0, 0.0, 5.0, 0.0, 5.0)),
+    Case("a restart at 50 s", bag(100.0, 100.02, 50.0, 50.02)),
+    Case("the same restart and the same gap, each of them twice", bag(5.0, 0.0, 5.0, 0.0, 5.0)),
     Case("two gaps of equal length", bag(1.0, 1.2, 1.4)),
     Case("half a minute without a message", bag(1.0, 1.02, 31.02, 31.04)),
     Case("a robot's stamps, exactly 0.1 s apart", bag(0.826, 0.926, 0.946, since=SINCE_1970), FRACTION),

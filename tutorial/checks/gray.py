@@ -92,12 +92,12 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("your code assigns a two-dimensional array to message.data. "
-            "It needs a flat array of bytes: array('B', ....tobytes()).",
+    Mistake("your code assigns a two-dimensional array to message.data, which "
+            "has to be a flat array of bytes: array('B', ....tobytes()).",
             replace('array("B", pixels.mean(axis=2).astype(np.uint8).tobytes())',
                     "pixels.mean(axis=2).astype(np.uint8)")),
-    Mistake("your code uses one colour, the sum or a different mean, or computes "
-            "in bytes, which overflow and truncate: use pixels.mean(axis=2).",
+    Mistake("your code uses one colour, the sum or the wrong mean, or computes with "
+            "bytes, which overflow and drop fractions: use pixels.mean(axis=2).",
             replace("pixels.mean(axis=2)", "pixels[:, :, 0]", "pixels[:, :, 1]", "pixels[:, :, 2]",
                     "pixels.sum(axis=2)", "(pixels.sum(axis=2, dtype=np.uint8) / 3)", "(pixels//3).sum(axis=2)",
                     "pixels.max(axis=2)", "pixels.min(axis=2)", "(pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)")),
@@ -105,10 +105,10 @@ MISTAKES = [
             "asks for the plain mean, pixels.mean(axis=2).",
             replace("pixels.mean(axis=2)", "(pixels @ [0.299, 0.587, 0.114])",
                     "np.rint(pixels @ [0.299, 0.587, 0.114])")),
-    Mistake("your code divides by 255. In mono8, white is 255, as in the pixels.",
+    Mistake("your code divides by 255. In mono8, white is 255, as in the camera's pixels.",
             replace("pixels.mean(axis=2)", "(pixels.mean(axis=2) / 255)")),
     Mistake("your code turns the image upside down, mirrors it, or swaps rows "
-            "and columns: send the top row first, each row from left to right.",
+            "and columns: send the top row first, and each row from left to right.",
             replace("pixels.mean(axis=2)", "pixels[::-1].mean(axis=2)", "pixels[:, ::-1].mean(axis=2)",
                     "pixels[::-1, ::-1].mean(axis=2)", "pixels.mean(axis=2).T")),
 ]  # fmt: skip
@@ -244,24 +244,25 @@ CASES = [
          "Your code probably swaps, omits or hard-codes width and height: "
          "message.height, message.width, _ = pixels.shape."),
     Case("the encoding", PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
-         "Your code probably omits the encoding, or sets a different one: "
+         "Your code probably omits the encoding, or sets the wrong one: "
          'one byte per pixel is called "mono8", in lower case.'),
     Case("the row", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
          "Your code probably omits step, or counts three bytes per pixel: "
          "a row has message.step = message.width bytes."),
     Case("the frame", PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
          "Your code probably hard-codes or omits the body's name, or uses "
-         'a different frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
-    Case("the stamp", stamps, "Your code probably loses the time of the request, or a part of it. "
-         "Pass it to self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec."),
+         'the wrong frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
+    Case("the stamp", stamps,
+         "Your code probably doesn't stamp the image with the time of its request, or sets only sec or only nanosec. "
+         "Call self.camera.capture(self.publish, self.io.time_ns), then set both sec and nanosec of the stamp."),
     Case("late and missing images", lambda trial: stamps(trial, delay=40, missed=2),
          "Your code probably skips some requests, or doesn't stamp each image with the time "
-         "of its request. Pass on that time: self.camera.capture(self.publish, self.io.time_ns)."),
+         "of its request. Pass that time along: self.camera.capture(self.publish, self.io.time_ns)."),
     Case("nothing moves, so all images are identical", still,
          "Your code probably skips an image that is identical to an earlier one. "
-         "Publish all of them: a repeated message is still a message."),
-    Case("after stop", left_open, "Your code probably doesn't close the camera in stop, or looks up several "
-         "cameras: look it up once, in initialize, and call self.camera.close() in stop."),
+         "Publish every image: a repeated message is still a message."),
+    Case("after stop", left_open, "Your code probably doesn't close the camera in stop, or looks it up more "
+         "than once. Look up the camera once, in initialize, and call self.camera.close() in stop."),
 ]  # fmt: skip
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
 gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, CASES, MISTAKES, MEANING), PARTS)

@@ -88,12 +88,12 @@ class GyroPublisher(SimpleController):
 
 MISTAKES = [
     Mistake("your code reads the sensor only once, in initialize. "
-            "The value is a copy: read self.sensor.value in every step.",
+            "The value is a copy, which never changes: read self.sensor.value in every step.",
             both(replace('self.sensor = io.body.sensor("GYRO")',
                          'self.sensor = io.body.sensor("GYRO")\nself.once = self.sensor.value'),
                  replace("self.sensor.value)", "self.once)"))),
     Mistake("your code sends the sum, or divides it by the wrong number. "
-            "Divide it by the number of measurements in it.",
+            "Divide the sum by the number of measurements in it.",
             replace("np.mean(self.samples, axis=0)", "np.sum(self.samples, axis=0)",
                     "(np.sum(self.samples, axis=0) * self.io.time_step)",
                     "(np.sum(self.samples, axis=0) / self.steps_per_message)")),
@@ -103,23 +103,23 @@ MISTAKES = [
             "Average each component separately, with axis=0.",
             replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
                     "np.mean(self.samples, axis=1)")),
-    Mistake("your code doesn't discard measurements after a message. Empty the list, "
-            "or set sum and count to 0.",
+    Mistake("your code doesn't discard the measurements after it has published a message. "
+            "Empty the list, or set the sum and the count to 0.",
             replace("self.samples.clear()", "pass")),
-    Mistake("your code resets only the sum or only the count after a message. Reset "
-            "both; for a sum make a new array, because += changes the old one.",
+    Mistake("your code resets only the sum or only the count after a message. Reset both. "
+            "Begin each sum with a new array, because += changes the old one.",
             both(replace("self.samples: list[NDArray[np.float64]] = []", "self.samples, self.all = [], []"),
                  replace("self.samples.append(self.sensor.value)",
                          "self.samples.append(self.sensor.value)\nself.all += self.samples[-1:]"),
                  replace("np.mean(self.samples, axis=0)", "(sum(self.all) / len(self.samples))",
                          "(sum(self.samples) / len(self.all))"))),
-    Mistake("your code publishes before it adds the step's own measurement. Add it first.",
+    Mistake("your code publishes before it adds the current step's measurement. Add it first.",
             both(replace("self.samples: list[NDArray[np.float64]] = []", "self.samples, self.late = [], []"),
                  replace("self.samples.append(self.sensor.value)",
                          "self.samples += self.late\nself.late = [self.sensor.value]"),
                  replace("if self.io.step %", "if self.io.step %", "if self.samples and self.io.step %"),
                  replace("np.mean(self.samples,", "np.mean(self.samples,", "np.mean(self.samples or [np.zeros(3)],"))),
-    Mistake("your code mixes up x, y and z, or sends only z. The sensor's value contains all three, in this order.",
+    Mistake("your code mixes up x, y and z, or sends only z. The sensor's value contains x, y and z, in this order.",
             replace("velocity.x, velocity.y, velocity.z =", "velocity.z, velocity.y, velocity.x =",
                     "velocity.y, velocity.x, velocity.z =", "velocity.x, velocity.z, velocity.y =",
                     "_, _, velocity.z =")),
@@ -130,7 +130,7 @@ MISTAKES = [
             "sensor and the message both use rad/s.",
             replace("self.sensor.value)", "np.degrees(self.sensor.value))", "np.radians(self.sensor.value))")),
 ]  # fmt: skip
-MEANING = ("Your code probably skips measurements, counts some twice, or weights them. "
+MEANING = ("Your code probably skips measurements, counts some of them twice, or weights them. "
            "Publish the plain average of all measurements since the last message, one from each step.")  # fmt: skip
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
@@ -189,14 +189,14 @@ FRAME = ("Your code probably omits the name of the body or the sensor: "
 CASES = [
     Case("the content", PUBLISHING.sent(0.45, ms=2)),
     Case("unmeasured fields", PUBLISHING.sent(0.25, look=marks),
-         "Your code probably marks too few or too many fields. Put -1.0 into orientation_covariance[0] "
+         "Your code probably marks too few or too many fields as unmeasured. Put -1.0 into orientation_covariance[0] "
          "and linear_acceleration_covariance[0], and nowhere else."),
     Case("the frame", PUBLISHING.sent(0.25, look=frame), FRAME),
-    Case("the frame, on the crane Lift", PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"), FRAME),
+    Case("the frame on the crane Lift", PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"), FRAME),
     Case("on the crane, with steps of 20 ms", PUBLISHING.sent(0.45, model="crane", ms=20)),
     Case("on a robot that doesn't turn", RESTING.rate(10),
          "Your code probably publishes nothing while the robot doesn't turn. Publish every "
-         "message: receivers can't distinguish rest from a lost connection."),
+         "message: receivers can't distinguish a robot at rest from a lost connection."),
     Case("on a robot with only a gyroscope", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
          "Your code probably also uses the accelerometer, which this robot lacks. "
          "Send only the gyroscope's measurements."),

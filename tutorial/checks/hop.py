@@ -135,7 +135,7 @@ class Hall(Viewer):
             if not rings and after > 1.0:
                 break
             self.drain(min(rings, default=1 / 64))
-        kinds = ("a timer on another thread", "a timer that moves it", "a timer", "no timer")
+        kinds = ("a timer on another thread", "a timer that moves the body", "a timer", "no timer")
         there = ("timer" in self.trial.noted or "thread" in self.trial.noted, self.shown, timers, True)
         return f"never down, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
 
@@ -191,33 +191,35 @@ def in_a_crowd(hall: Hall) -> str:
         hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
-    lost = f"{len(kept)} of 5 messages arrived, calls waiting: {calls}{', under a key' * bool(hall.keys)}"
+    lost = f"{len(kept)} of 5 messages arrived, waiting calls: {calls}{', under a key' * bool(hall.keys)}"
     return "" if hall.where() == UP else lost
 
 
 THEN = Hall.where, Hall.falls, Hall.where  # observed after a message
 hopped = partial(steps, viewer=Hall)
-STAYS = ("Your unconfigure probably puts the body back even if it is "
-         "down. First test whether it is up: self.timer is not None.")  # fmt: skip
+STAYS = ("Your unconfigure method probably puts the body back even if it has already landed. "
+         "First test whether the body is up: self.timer is not None.")  # fmt: skip
 CASES = [
     Case("accelerations x y z [m/s²]", hopped(mistaken),
-         "Your code probably tests a different condition. With a = message.linear_acceleration, the condition is "
+         "Your code probably tests the wrong condition. With a = message.linear_acceleration, the condition is "
          "hypot(a.x, a.y) > 20. Ignore z, because it includes gravity."),
     Case("after a blow", hopped(blow, Hall.where),
-         "Your code probably puts the body somewhere else, or changes a copy of its position. Store "
+         "Your code probably puts the body in the wrong place, or changes a copy of its position. Store "
          "self.body.position when the blow arrives, then set self.body.position to the stored x, y and z + 0.1."),
     Case("the hop ends", hopped(blow, Hall.falls),
-         "Your code probably uses a different timer or duration, or the function that the timer calls does not put "
+         "Your code probably uses the wrong timer or duration, or the function that the timer calls does not put "
          "the body back. In update, write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "Your code probably computes or hard-codes the place to land. Restore the position stored at the blow."),
+         "Your code probably computes or hard-codes the place to land. "
+         "Restore the position that you stored when the blow arrived."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after the body has landed and been moved", hopped(blow, land, move_it, other_blow, *THEN),
-         "Your code probably reuses the timer or position of the previous hop. On landing, "
-         "set self.timer = None, and store the position at each blow."),
+         "Your code probably reuses the timer or position of the previous hop. "
+         "Set self.timer = None when the body lands, and store its position at each blow."),
     Case("a second blow while the body is up", hopped(blow, wait, other_blow, *THEN),
-         "Your code probably ignores the blow, lifts the body again, stores its position while it is up, or keeps the "
-         "first timer. Cancel it and start a new one of 0.5 s; don't change the stored position or the height."),
+         "Your code probably ignores the second blow, lifts the body again, stores its position while it is up, or "
+         "keeps the first timer. Cancel that timer and start a new one for 0.5 s; "
+         "don't change the stored position or the height."),
     Case("the same blow again", hopped(blow, land, blow, Hall.where),
          "Your code probably skips a message that is identical to the previous one. A second blow can be identical to "
          "the first: post every message."),
@@ -232,11 +234,11 @@ CASES = [
          "Your code probably doesn't end the hop in unconfigure. "
          "Cancel the timer, put the body back and call notify_change."),
     Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
-         "Your unconfigure probably puts the body back without calling "
+         "Your unconfigure method probably puts the body back without calling "
          "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),
-    Case("after unconfigure, when the body has landed and been moved", hopped(blow, land, move_it, Hall.leaves), STAYS),
-    Case("a call waiting when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
+    Case("after unconfigure, if the body has landed and been moved", hopped(blow, land, move_it, Hall.leaves), STAYS),
+    Case("a call is waiting when the controller leaves", hopped(lambda hall: hall.leaves(imu(*BLOW))), PAST_THE_QUEUE),
 ]  # fmt: skip
 ARRIVALS = harmless, hands_over(imu(*BLOW))
 hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), ARRIVALS, CASES, may_ask_clock=True, viewer=Hall))

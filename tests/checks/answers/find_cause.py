@@ -143,15 +143,15 @@ def the_wrong_way_round(policy, some):
 
 
 NO_PUBLISHER, APART, NO_MESSAGE = ("domain", "nobody"), ("type", "reliability", "durability"), ("clock", "silent")
-LATE_TYPE = "your code tests for the type too late"
+LATE_TYPE = "your code compares the types too late"
 EACH = "Your code probably checks only one subscription"
-OTHER_TYPE = "Your code probably counts a publisher of a different type"
+OTHER_TYPE = "Your code probably accepts a publisher whose type differs"
 FIRST = "your code checks only the first publisher"
 WHOLE = "Compare whole names"
-ENOUGH = "A single one is enough"
+ENOUGH = "One publisher that follows /clock is enough"
 BY_MESSAGES = "your code looks at the messages before the subscriptions"
 TURNED = "the wrong way round: the publisher has to offer"
-ELSEWHERE = "Your code probably looks at other domains although there is a publisher here"
+ELSEWHERE = "Your code probably looks at other domains although there is a publisher in this domain"
 LOST = "Your code probably looks at other facts first"
 WRONG = [
     (lambda _: "broken", "Return one of 'domain', 'nobody', 'type'"),
@@ -185,10 +185,10 @@ WRONG = [
 WRONG += [
     (edited(find_cause, edit), cause)
     for edit, cause in [
-        (("each.reliable or not subscription.reliable", "each.reliable"), "accepts any publisher"),
+        (("each.reliable or not subscription.reliable", "each.reliable"), "both best-effort and reliable"),
         (("each.type == subscription.type", "each"), "your code doesn't test `each.type == subscription.type`"),
         (("facts.unmoved > facts.received / 2", "facts.unmoved >= facts.received / 2"), "compare with >"),
-        (("in reliable if", "in same if"), "A single publisher has to be both"),
+        (("in reliable if", "in same if"), "The same publisher has to be reliable"),
         (("if facts.found_in", "if not facts.found_in"), "your condition is reversed"),
         (("if not facts.publishers:", "if facts.found_in:\n    return 'domain'\nif not facts.publishers:"), ELSEWHERE),
     ]

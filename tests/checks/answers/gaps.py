@@ -60,7 +60,7 @@ def kept_newest(messages):
     return [("gap", *earlier, *stamps[:1])] if earlier else find_gaps(messages)
 
 
-LAST = "your code compares each stamp with the one before it"
+LAST = "your code compares each stamp with the previous one"
 EMPTY = "Your code probably expects at least one message"
 
 

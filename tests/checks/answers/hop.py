@@ -111,15 +111,15 @@ PUT_BACK = f"self.timer.cancel()\nself.timer, self.body.position = None, self.pl
 WRONG += [
     (edited(hop, edit), cause)
     for edit, cause in [
-        (("hypot(a.x, a.y)", "max(a.x, a.y)"), "Your code probably tests a different condition"),
+        (("hypot(a.x, a.y)", "max(a.x, a.y)"), "Your code probably tests the wrong condition"),
         (("self.move(self.place)", "self.move(self.body.position - (0, 0, 0.1))"), "computes or hard-codes the place"),
-        (("> 20", "> 20 and not hasattr(self, 'place')"), "On landing, set self.timer = None"),
+        (("> 20", "> 20 and not hasattr(self, 'place')"), "Set self.timer = None when the body lands"),
         ((POST, SKIP_EQUAL + POST), "is identical to the previous one"),
         (("a = message.", "if self.timer: self.timer.cancel()\na = message."), "reacts to a harmless message"),
         (("config.call_later", "lambda *call: config.call_latest('imu', *call)"), "Your code probably loses messages"),
         ((DESTROY, PUT_BACK), "puts the body back without"),
-        ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it is down"),
-        ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it is down"),
-        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "posts directly to the event loop"),
+        ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it has already landed"),
+        ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it has already landed"),
+        (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "directly to the event loop"),
     ]
 ]

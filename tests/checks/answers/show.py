@@ -104,7 +104,7 @@ WRONG += [
         ([(MATCHES, f"[message.position[i] for i, _ in enumerate(message.name)]\n{MATCHES}")], "an index beyond"),
         ([(MATCHES, f"if message.header.stamp.sec < 1: return\n{MATCHES}")], "because of its stamp"),
         ([("self.body.notify", IF_NEWS)], "repeats the positions"),
-        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "posts directly to the event loop"),
+        ([("config.call_later", "get_running_loop().call_soon_threadsafe")], "posts a call directly to the event loop"),
         ([("config.call_later", 'lambda *call: config.call_latest("joints", *call)')], "probably loses messages"),
     ]
 ]

@@ -70,7 +70,7 @@ WRONG = [
     (lambda transforms, point: to_parent(*transforms, point), "probably expects a certain number of transforms"),
     (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "expects at least one transform"),
     (lambda transforms, point: where_is(transforms, point)[:2], "Return the three numbers x, y and z in a list"),
-    (overwrites, "Copy it first"),
+    (overwrites, "Copy the argument first"),
     (whole, "An array made from ints can hold only ints"),
     (until_odom, "or a certain frame"),
     (wrong_matrix, "Rotations about x, y and z work"),

@@ -34,7 +34,7 @@ def test_shared_state():
         calls.append(x)
         return 2 * x + 1
 
-    assert toys.seen_of(counts).changed == "the default of the argument calls"
+    assert toys.seen_of(counts).changed == "the default value of the argument calls"
 
 
 FAILURE = Failure("f", ValueError("a"))

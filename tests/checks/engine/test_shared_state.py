@@ -23,11 +23,11 @@ def test_changed_state_is_named():
     Keeps().keep()
     assert state.changed() == "Keeps.seen"
     assert "self.seen = ..., in __init__" in cause_of_sharing(Keeps, "Keeps.seen")
-    assert "inside the call" in cause_of_sharing(Keeps.keep, "KEPT")
+    assert "In each call" in cause_of_sharing(Keeps.keep, "KEPT")
 
 
 def test_state_outside_the_objects():
-    assert {name for name, _ in outside(Keeps)} == {"Keeps.seen", "the default of the argument where"}
+    assert {name for name, _ in outside(Keeps)} == {"Keeps.seen", "the default value of the argument where"}
     assert pickled(KEPT)
 
 

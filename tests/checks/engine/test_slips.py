@@ -6,13 +6,13 @@ from tutorial.checks.engine.slips import another, missing, slips
 
 SLIPS = {
     "`y = x` is missing or never reached.": (missing, "y = x", "pass"),
-    "`b` is missing, or always 0. It should be `a - b`.": (another, "a - b", "a - (0)"),
-    "a sign is wrong. It should be `a - b`.": (another, "a - b", "(-a) - b"),
-    "your code uses a different comparison. It should be `a > b`.": (another, "a > b", "(a >= b)"),
-    "your code doesn't test `a`. It should be `a and b`.": (another, "a and b", "(True) and b"),
+    "`b` is missing, or always 0. Write `a - b`.": (another, "a - b", "a - (0)"),
+    "a sign is wrong. Write `a - b`.": (another, "a - b", "(-a) - b"),
+    "your code uses the wrong comparison. Write `a > b`.": (another, "a > b", "(a >= b)"),
+    "your code doesn't test `a`. Write `a and b`.": (another, "a and b", "(True) and b"),
     "your code doesn't test `a`.": (another, "if a: pass", "if (True): pass"),
-    "your condition is reversed. It should be `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
-    "a number differs or is missing. It should be `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
+    "your condition is reversed. Write `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
+    "a number is wrong or missing. Write `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
 }
 
 

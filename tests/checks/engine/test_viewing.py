@@ -17,5 +17,5 @@ def observed(*done):
 
 def test_steps():
     assert observed(heard(MESSAGE), Viewer.where, Viewer.where) == MOVED
-    assert observed(hands_over(MESSAGE, MESSAGE)) == "a call is posted for 2 of 2"
+    assert observed(hands_over(MESSAGE, MESSAGE)) == "a call is posted for 2 of 2 messages"
     assert observed(side_by_side(lambda viewer: viewer.body.name)) == "Rover and Lift"

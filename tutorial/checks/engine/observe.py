@@ -15,7 +15,10 @@ from tutorial.checks.engine.trial import Trial
 from tutorial.checks.engine.verdict import Place
 
 TOLERANCE = 1e-4
-UNLIKE = "Something probably has the wrong type, such as a number or an array instead of a list or a message."
+UNLIKE = (
+    "Your code probably produces a value of the wrong type, "
+    "such as a number or an array instead of a list or a message."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +107,7 @@ def attempt(run: Run, trial: Trial) -> Any:
     except Failure as failure:
         return failure
     except Exception as error:  # noqa: BLE001 - an odd answer can cause any exception
-        text = f"the check cannot read its result: {type(error).__name__}: {error}"
+        text = f"the check cannot read the answer's result: {type(error).__name__}: {error}"
         return Failure(name_of(trial.answer), error if isinstance(error, Misuse) else Misuse(text, UNLIKE))
 
 

@@ -15,16 +15,20 @@ from tutorial.checks.engine.rig import APART, Rig, Sent
 from tutorial.checks.engine.trial import Trial
 
 NOTHING = "no message"
-IN_CONFIGURE = "Your code probably creates it in initialize, which runs at every start. Create it once, in configure."
+IN_CONFIGURE = (
+    "Your code probably creates the publisher in initialize, which runs at every start. "
+    "Create the publisher once, in configure."
+)
 TOGETHER = (
-    "Your code probably sends a message for each joint, or calls publish twice. Send one message with all joints."
+    "Your code probably sends a message for each joint, or calls publish twice. Send a single message for all joints."
 )
 ALL_JOINTS = "your code hard-codes the joints' names, or their number. Use all joints of the body: io.body.joints."
 SHARED_BY_ROBOTS = (
-    "Your code probably stores something on the class, which all robots share. Set it on self, in initialize."
+    "Your code probably stores state on the class, which all robots share. Store it on self, in initialize."
 )
 RESTART = (
-    "Your code probably keeps state from the previous run, or counts steps or time from 0. Time continues after stop."
+    "Your code probably keeps state from the previous run, or counts steps or time from 0. "
+    "After a restart, io.step and the time don't begin at 0."
 )
 
 # Returns an observation, given the rig and the sent messages.
@@ -75,9 +79,9 @@ class Publishing:
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
         topic = (
-            f"Your code probably uses a different topic or type. In configure, write {made}, without a leading slash."
+            f"Your code probably uses the wrong topic or type. In configure, write {made}, without a leading slash."
         )
-        condition = f"Your code probably tests a different condition. A message is due when {self.when}."
+        condition = f"Your code probably tests the wrong condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
             *[Case("on the body Rover, in the namespace /lab", self.topics("/lab"), topic)] * self.namespaces,
@@ -87,8 +91,7 @@ class Publishing:
 
     def _mistakes(self) -> list[Mistake]:
         return [
-            Mistake("your code uses the displayed copy, config.body, where nothing moves. "
-                    "The simulated body is io.body.",
+            Mistake("your code uses the displayed body, config.body. The simulated body is io.body.",
                     both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
                          replace("self.io = io", "self.io, io.body = io, self.shown"))),
             Mistake(f"your code publishes at every step. Publish only if {self.when}.",
@@ -104,7 +107,7 @@ class Publishing:
     def wrong_steps(self) -> str:
         """The meaning of a case with too many or too few messages."""
         return (
-            "Your code probably hard-codes the number of steps, truncates it, leaves it unrounded, "
+            "Your code probably hard-codes the number of steps between messages, truncates it, doesn't round it, "
             "or measures time instead of counting steps. "
             f"Publish when {self.when}."
         )
@@ -112,8 +115,9 @@ class Publishing:
     @property
     def _stamp(self) -> str:
         return (
-            "The stamp is probably missing, a count, or from a different clock, or sec and nanosec are from different "
-            f"times: nanosec restarts at 0 every second. Set both: Time(nanoseconds={self.time}).to_msg()."
+            "Your code probably doesn't set the stamp, sets it to a step count, reads a different clock, "
+            "or computes sec or nanosec wrongly: nanosec restarts at 0 every second. "
+            f"Set both: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:

@@ -33,7 +33,10 @@ def send(node: Any, topic: str, message: Any, done: Callable[[], object]) -> Non
         TutorialError: the message does not arrive.
     """
     publisher = node.create_publisher(type(message), topic, 10)
-    wait(publisher.get_subscription_count, "no message reaches the subscription. Check its QoS: it should be 1.")
+    wait(
+        publisher.get_subscription_count,
+        "no message reaches the subscription. Pass only a queue depth as its QoS, such as 1.",
+    )
     publisher.publish(message)
     wait(done, "a message from another program has no effect")
 

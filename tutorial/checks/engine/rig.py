@@ -19,7 +19,7 @@ from tutorial.controller import ControllerConfig, ControllerIO
 QUIET = 0.05  # [s]; threads that publish nothing for this long have probably finished
 
 APART = (
-    "Your code probably publishes from a timer or a thread, which use the wall clock. "
+    "Your code probably publishes from a timer or a thread, so the rate depends on the wall clock. "
     "Publish in control, and count steps: io.step."
 )
 

@@ -16,10 +16,10 @@ from tutorial.checks.engine.answer import classes_of, functions_of
 
 _LOCKS = {type(make()): lambda _, make=make: (make, ()) for make in (threading.Lock, threading.RLock)}
 _DURATION = {Duration: lambda duration: (partial(Duration, nanoseconds=duration.nanoseconds), ())}
-"""The real rclpy cannot pickle durations, and every QoS profile contains some."""
+"""The real rclpy's durations cannot be pickled, and every QoS profile contains durations."""
 
 _NEW = object()
-_DEFAULT = "the default of the argument "
+_DEFAULT = "the default value of the argument "
 
 
 class SharedState:
@@ -49,9 +49,9 @@ def cause_of_sharing(answer: Any, name: str) -> str:
         name: the shared object's name, as `SharedState.changed` returns it.
     """
     if not isinstance(answer, type) or name.startswith(_DEFAULT):
-        return f"Your code keeps {name} from one call to the next. Create everything that a call needs inside the call."
+        return f"Your code keeps {name} from one call to the next. In each call, create everything that the call needs."
     return (
-        f"{name} is shared by all objects of the class. Create one for each object, "
+        f"{name} is shared by all objects of the class. Create a separate value for each object: "
         f"self.{name.rpartition('.')[2]} = ..., in __init__, configure or initialize."
     )
 

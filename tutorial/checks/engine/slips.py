@@ -43,7 +43,7 @@ def another(node: ast.AST) -> Slips:
             yield from _missing_operands(node)
         case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
             yield f"your code doesn't test `{ast.unparse(test)}`.", test, ast.Constant(True)
-            yield f"your condition is reversed. It should be `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
+            yield f"your condition is reversed. Write `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
     yield from _other_numbers(node)
 
 
@@ -51,29 +51,29 @@ def _other_operands(node: ast.BinOp) -> Slips:
     code, is_sum = ast.unparse(node), isinstance(node.op, ast.Add | ast.Sub)
     unit = 0 if is_sum else 1  # leaves the other operand unchanged
     for each in (node.left, node.right):
-        yield f"`{ast.unparse(each)}` is missing, or always {unit}. It should be `{code}`.", each, ast.Constant(unit)
+        yield f"`{ast.unparse(each)}` is missing, or always {unit}. Write `{code}`.", each, ast.Constant(unit)
     for signed in (node.left, node.right, node) if is_sum else ():
-        yield f"a sign is wrong. It should be `{code}`.", signed, ast.UnaryOp(ast.USub(), signed)
+        yield f"a sign is wrong. Write `{code}`.", signed, ast.UnaryOp(ast.USub(), signed)
 
 
 def _other_comparisons(node: ast.Compare) -> Slips:
     for kind in COMPARISONS:
         if not isinstance(node.ops[0], kind):
             other = ast.Compare(node.left, [kind()], node.comparators)
-            yield f"your code uses a different comparison. It should be `{ast.unparse(node)}`.", node, other
+            yield f"your code uses the wrong comparison. Write `{ast.unparse(node)}`.", node, other
 
 
 def _missing_operands(node: ast.BoolOp) -> Slips:
     neutral = ast.Constant(isinstance(node.op, ast.And))
     for each in node.values:
-        yield f"your code doesn't test `{ast.unparse(each)}`. It should be `{ast.unparse(node)}`.", each, neutral
+        yield f"your code doesn't test `{ast.unparse(each)}`. Write `{ast.unparse(node)}`.", each, neutral
 
 
 def _other_numbers(node: ast.AST) -> Slips:
     for number in ast.iter_child_nodes(node):
         if isinstance(number, ast.Constant) and type(number.value) in (int, float):
             for factor in map(ast.Constant, FACTORS):
-                cause = f"a number differs or is missing. It should be `{ast.unparse(node)}`."
+                cause = f"a number is wrong or missing. Write `{ast.unparse(node)}`."
                 yield cause, number, ast.BinOp(number, ast.Mult(), factor)
 
 

@@ -14,8 +14,8 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.verdict import Place
 
 CHANGED = (
-    "Your code probably changes it with sort, reverse, pop, del, append, += or =. "
-    "Copy it first; np.asarray does not copy."
+    "Your code probably changes its argument with sort, reverse, pop, del, append, += or =. "
+    "Copy the argument first; np.asarray does not copy an array."
 )
 
 
@@ -89,7 +89,7 @@ class Trial:
             if changed:
                 raise Misuse(f"it changes its argument, the {changed[0]}", CHANGED)
             if isinstance(returned, Iterator):
-                wanted = f"yield, or a comprehension in parentheses, makes an iterator. {wanted}"
+                wanted = f"yield and comprehensions in parentheses create iterators. {wanted}"
             else:
                 with suppress(AttributeError, TypeError, ValueError):
                     return read(returned)

@@ -25,14 +25,14 @@ TIMEOUT = 1.0  # [s]; a callback that takes longer is waiting for something
 
 KEY = "The first argument of call_latest is a key: self.call_latest(self.body.name, self.update, message)."
 SECONDS = (
-    "config.call_later has no delay argument. The event loop's method has one: "
+    "config.call_later has no delay argument. The event loop's call_later has one: "
     "asyncio.get_running_loop().call_later(0.5, self.land)."
 )
 PARENTHESES = (
     "Your code probably calls the function immediately, with parentheses. Pass the function, then its arguments."
 )
-TOUCHED = "Your code probably moves the body in the callback. Post everything that uses the body; a lock does not help."
-COROUTINE = "Write def, not async def. If it has to wait, start a task in it: asyncio.create_task(...)."
+TOUCHED = "Your code probably moves the body in the callback. Post every call that uses the body; a lock does not help."
+COROUTINE = "Write def, not async def. If the function has to wait, start a task in it: asyncio.create_task(...)."
 ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 
 
@@ -119,7 +119,7 @@ class Viewer:
         self.loop.advance(seconds)
         self._tell()
         if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
-            raise Failure("the posted call", Misuse("it posts a new call every time it runs, without end", ENDLESS))
+            raise Failure("the posted call", Misuse("every time it runs, it posts another call", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Call `unconfigure`, drop the waiting calls, and describe where the body is afterwards.
@@ -170,7 +170,7 @@ class Viewer:
                 made = function(*arguments)
                 if inspect.iscoroutine(made):
                     made.close()
-                    raise Misuse("it is a coroutine function, async def, and nobody awaits it", COROUTINE)
+                    raise Misuse("it is defined with async def, and nobody awaits it", COROUTINE)
         except Failure as failure:
             self._failures.append(failure)
 

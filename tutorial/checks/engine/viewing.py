@@ -15,20 +15,21 @@ from tutorial.checks.engine.viewer import Viewer
 Step = Callable[[Any], str | None]
 
 POST = "self.call_later(self.update, message)"
-BESIDE = "Your code probably posts from its own timer or thread. Post in the callback, once for each message."
+BESIDE = "Your code probably posts calls from its own timer or thread. Post one call per message, in the callback."
 
 SHARED_BY_VIEWERS = (
-    "Your code probably stores something on the class, which all viewers share. Set it on self, in configure."
+    "Your code probably stores state on the class, which all viewers share. Store it on self, in configure."
 )
 ANOTHER_TOPIC = (
-    "Your code probably subscribes outside of configure, or to a different topic or type. In configure, write {}."
+    "Your code probably subscribes outside of configure, or uses the wrong topic or type. In configure, write {}."
 )
 NOT_POSTED = ("Your code probably drops some messages, for instance every second message, or posts no calls at all. "
-              "Post a call for each message, {}, and show it.")  # fmt: skip
-MOVES = ("Your code probably omits calc_forward_kinematics or notify_change, or calls them too early. After every move "
-         "of the body, call both methods, in this order.")  # fmt: skip
-PAST_THE_QUEUE = ("Your code probably posts directly to the event loop, so the call still runs after the controller "
-                  "has left its body. Use config.call_later or config.call_latest: both drop such calls.")  # fmt: skip
+              "For each message, post a call that shows it: {}.")  # fmt: skip
+MOVES = ("Your code probably omits calc_forward_kinematics or notify_change, or calls them too early. After each "
+         "move of the body, call calc_forward_kinematics and then notify_change.")  # fmt: skip
+PAST_THE_QUEUE = ("Your code probably posts a call directly to the event loop, so it still runs after the controller "
+                  "has left its body. Use config.call_later or config.call_latest: "
+                  "when the controller leaves, both drop the calls that are still waiting.")  # fmt: skip
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
@@ -71,7 +72,7 @@ def hands_over(*messages: Any) -> Step:
                 raise Failure(place.function, Misuse("it starts its own timer or thread", BESIDE), place)
             viewer.drain()
         posted = viewer.loop.posted - before
-        return f"a call is posted for {min(posted, len(messages))} of {len(messages)}"
+        return f"a call is posted for {min(posted, len(messages))} of {len(messages)} messages"
 
     return step
 
@@ -124,7 +125,7 @@ def viewing(
         Case("on the body Rover", listens, ANOTHER_TOPIC.format(call)),
         Case("when messages arrive", steps(*arrivals, viewer=viewer), not_posted),
         *cases,
-        Case("a message as soon as there is a subscription", soon),
+        Case("a message arrives as soon as there is a subscription", soon),
     ]
     clock = "" if may_ask_clock else not_posted
     return Cases(solution, tried, [], SHARED_BY_VIEWERS, clock=clock, on_ros=on_ros, one_by_one=True)
