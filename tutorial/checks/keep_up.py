@@ -101,7 +101,11 @@ def drawn(viewer: Viewer, places: Sequence[str]) -> str:
     viewer.drain()
     where = viewer.where()
     message = f"message {places.index(where) + 1} of {BURST}" if where in places else where
-    return f"{len(viewer.shown)} draws, the last one of {message}" if len(viewer.shown) > 1 else f"it draws {message}"
+    return (
+        f"it draws {len(viewer.shown)} times, the last time {message}"
+        if len(viewer.shown) > 1
+        else f"it draws {message}"
+    )
 
 
 def in_any_order(viewer: Viewer) -> str:
@@ -126,14 +130,14 @@ def in_any_order(viewer: Viewer) -> str:
 
 OWN = [
     Case("50 messages while the main thread is busy", steps(burst(0, waiting), burst(500, waiting)),
-         "Your code probably posts a call for each message with call_later, or under different keys. "
-         "Post with call_latest and one key, such as the body's name: a new call replaces a waiting one."),
-    Case("then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
-         "Your code probably draws an older message, or more than one. "
-         "Draw only the newest one: pass it with call_latest."),
+         "Your code probably posts the calls with call_later, or under different keys. Use call_latest, and the "
+         "same key for every call, such as the body's name: a new call then replaces the waiting call."),
+    Case("50 messages, and then the main thread draws", steps(burst(0, drawn), burst(500, drawn)),
+         "Your code probably draws an older message, or more than one message. "
+         "Draw only the newest message: pass it to call_latest."),
     Case("a message that arrives while an earlier one is being drawn", steps(in_any_order),
          "Your code probably clears the flag of a waiting call too late, or stores a message's "
-         "fields one by one. Pass the whole message with the call, and leave the rest to call_latest."),
+         "fields one by one. Pass the whole message to call_latest, and use no flag."),
 ]  # fmt: skip
 
 CASES = [*FIRST, *OWN, *LAST]

@@ -68,19 +68,19 @@ MISTAKES = [
     Mistake("your code drops all waiting messages when a pair is complete: "
             "drop only the messages that arrived before the pair's first message.",
             replace("while stamp in self.waiting:", "self.waiting.clear()\nwhile False:")),
-    Mistake("your code doesn't drop messages that arrived before a pair. "
-            "Drop them, even if their partners still arrive.",
+    Mistake("your code doesn't drop the messages that arrived before the pair's first message. "
+            "Drop them, even if their partners arrive later.",
             replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
-    Mistake("your code returns two messages of one topic as a pair: a pair has one of each topic.",
+    Mistake("your code returns two messages of one topic as a pair: a pair has one message of each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
     Mistake("your code drops a message too early. Look for the partner "
             "first, then drop a message if more than 50 are waiting.",
             replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
 ]  # fmt: skip
-MEANING = ("Compare your steps with these: a message waits for the other topic's message with the same stamp; either "
-           "can arrive first. "
-           "Then remove both, and return them as joints, pose.")  # fmt: skip
+MEANING = ("Compare your steps with these: a message waits for the other topic's message with the same stamp. "
+           "Either message can arrive first. "
+           "When both have arrived, remove both, and return them as joints, pose.")  # fmt: skip
 NO_PAIR = "Return the two messages themselves, as joints, pose, or None while one of them is missing."
 AT_ONCE = "Return a pair when its second message arrives, and only once."
 
@@ -149,19 +149,19 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
     return case
 
 
-STILL_WAITING = ("Your code probably keeps only one message per topic, or rejects "
-                 "smaller stamps: keep all messages that arrived after a pair's first message.")  # fmt: skip
-NANOSECONDS = ("Your code probably rounds the stamps, as floats do, or treats nearly equal stamps as equal: "
-               "compare them exactly.")  # fmt: skip
+STILL_WAITING = ("Your code probably keeps only one message per topic, or rejects messages with smaller stamps. "
+                 "When a pair is complete, keep all messages that arrived after its first message.")  # fmt: skip
+NANOSECONDS = ("Your code probably rounds the stamps, for example by converting them to floats, "
+               "or treats nearly equal stamps as equal: compare them exactly.")  # fmt: skip
 PAST = ("Your code probably drops too few or too many messages: when a pair is complete, "
-        "drop the messages on both topics that arrived before its first message.")  # fmt: skip
-NEW_START = ("Your code probably tests which stamp is larger. "
-             "After a restart, stamps start at 0: use the order of arrival.")  # fmt: skip
-FIFTY = ("Your code probably keeps fewer or more than 50 waiting messages, or drops the wrong message: "
-         "drop the message that arrived first.")  # fmt: skip
+        "drop all messages, on either topic, that arrived before its first message.")  # fmt: skip
+NEW_START = ("Your code probably uses the stamps to find out which message is older. "
+             "After a restart, stamps start at 0 again: use the order of arrival instead.")  # fmt: skip
+FIFTY = ("Your code probably keeps fewer or more than 50 waiting messages, or drops the wrong message. "
+         "If more than 50 are waiting, drop the message that arrived first.")  # fmt: skip
 CASES = [
-    Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),
-         "Your code probably stores messages on the class, or in an argument's default value: store them on self."),
+    Case("two objects, each with half of a pair", tried(*in_turn(20), objects=2),
+         "Your code probably stores messages on the class, or in a parameter's default value: store them on self."),
     Case("in turn", tried(*in_turn(20, 40, 60))),
     Case("the pose first", tried(*poses(20), *joints(20), *poses(40), *joints(40)),
          "Your code probably expects the joint states first: either message "
@@ -169,32 +169,35 @@ CASES = [
     Case("three joint states, then their poses", tried(*joints(20, 40, 60), *poses(20, 40, 60)), STILL_WAITING),
     Case("three poses, then their joint states", tried(*poses(20, 40, 60), *joints(20, 40, 60)), STILL_WAITING),
     Case("a pose is missing", tried(*in_turn(20), *joints(40), *in_turn(60))),
-    Case("joints are missing", tried(*in_turn(20), *poses(40, 60), *joints(60))),
+    Case("joint states are missing", tried(*in_turn(20), *poses(40, 60), *joints(60))),
     Case("equal nanosec, different sec", tried(*joints(1020), *poses(2020), *joints(2020)),
          "Your code probably compares only nanosec: a stamp consists of sec and nanosec."),
     Case("a nanosecond apart", tried((JOINTS, 20 * MS), (POSE, 20 * MS + 1), (JOINTS, 20 * MS + 1)), NANOSECONDS),
-    Case("a nanosecond apart, on today's date", tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
+    Case("a nanosecond apart, with wall-clock stamps", tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
          NANOSECONDS),
     Case("the same digits", tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
-         "Your code probably joins sec and nanosec as text, without leading zeros: compare the two numbers."),
+         "Your code probably joins sec and nanosec as text, without leading zeros: compare both numbers."),
     Case("a partner that is too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
          PAST),
     Case("poses that are too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),
-    Case("joints that are too late", tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)), PAST),
-    Case("a late pose, poses first", tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)), PAST),
-    Case("late joints, poses first", tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)), PAST),
+    Case("joint states that are too late", tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)),
+         PAST),
+    Case("a late pose, after a pair whose pose came first",
+         tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)), PAST),
+    Case("late joint states, after a pair whose pose came first",
+         tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)), PAST),
     Case("a repeated pose", tried(*in_turn(20), *poses(20), *in_turn(40))),
-    Case("the same joints twice, then their pose", tried(*joints(20, 20), *poses(20))),
+    Case("the same joint states twice, then their pose", tried(*joints(20, 20), *poses(20))),
     Case("a restart from 0", tried(*in_turn(5000, 5020, 0, 20)), NEW_START),
-    Case("joints from before a restart", tried(*joints(5000), *in_turn(0, 20), *poses(5000)), NEW_START),
+    Case("joint states from before a restart", tried(*joints(5000), *in_turn(0, 20), *poses(5000)), NEW_START),
     Case("60 joint states, then the last 40 poses", tried(*joints(*range(0, 1200, 20)), *poses(*range(400, 1200, 20))),
          FIFTY),
-    Case("50 joint states, then the pose of the first", tried(*joints(*range(0, 1000, 20)), *poses(0)), FIFTY),
-    Case("50 joint states, 1 s apart, then the pose of the first", tried(*joints(*range(0, 50000, 1000)), *poses(0)),
-         FIFTY),
-    Case("51 joint states, then the pose of the first", tried(*joints(*range(0, 1020, 20)), *poses(0)), FIFTY),
-    Case("51 poses, then the joints of the first", tried(*poses(*range(0, 1020, 20)), *joints(0)), FIFTY),
-    Case("200 joint states, then the pose of the first", tried(*joints(*range(0, 4000, 20)), *poses(0)), FIFTY),
+    Case("50 joint states, then the pose for the first one", tried(*joints(*range(0, 1000, 20)), *poses(0)), FIFTY),
+    Case("50 joint states, 1 s apart, then the pose for the first one",
+         tried(*joints(*range(0, 50000, 1000)), *poses(0)), FIFTY),
+    Case("51 joint states, then the pose for the first one", tried(*joints(*range(0, 1020, 20)), *poses(0)), FIFTY),
+    Case("51 poses, then the joint states for the first one", tried(*poses(*range(0, 1020, 20)), *joints(0)), FIFTY),
+    Case("200 joint states, then the pose for the first one", tried(*joints(*range(0, 4000, 20)), *poses(0)), FIFTY),
     Case("200 joint states, then a restart", tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)), NEW_START),
 ]  # fmt: skip
 

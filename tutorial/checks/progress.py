@@ -58,7 +58,9 @@ def read_progress(folder: Path | None = None) -> tuple[dict[str, Any], str]:
     try:
         return _read(path), ""
     except UNREADABLE as error:
-        return {}, f"{path.name} cannot be read, so no exercise counts as solved: {error}. To start over, delete it."
+        return {}, (
+            f"{path.name} cannot be read, so no exercise counts as solved: {error}. To start over, delete the file."
+        )
 
 
 class Overview:

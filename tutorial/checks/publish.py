@@ -125,16 +125,16 @@ def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
 PUBLISHING = Publishing(JointState, "turret", 25, moving, joints)
 CASES = [
     Case("the names", PUBLISHING.sent(0.2, names), "Your code probably omits, repeats or renames joints. "
-         "Each message has [joint.name for joint in self.joints]."),
+         "In each message, set name to [joint.name for joint in self.joints]."),
     Case("position", PUBLISHING.sent(0.2, partial(numbers, field="position")),
          "Your code probably omits position, rounds or converts it, mixes up the joints, or sends "
-         "old values. Read all values for each message: [joint.position for joint in self.joints]."),
+         "old values. Read the current values for each message: [joint.position for joint in self.joints]."),
     Case("velocity", PUBLISHING.sent(0.2, partial(numbers, field="velocity")),
-         "Your code probably omits velocity, computes it itself, mixes up the joints, or sends old "
-         "values. Read all values for each message: [joint.velocity for joint in self.joints]."),
+         "Your code probably omits velocity or computes it, mixes up the joints, or sends old "
+         "values. Read the current values for each message: [joint.velocity for joint in self.joints]."),
     Case("effort", PUBLISHING.sent(0.2, partial(numbers, field="effort")),
          "Your code probably omits effort, mixes up the joints, or sends old values. "
-         "Read all values for each message: [joint.effort for joint in self.joints]."),
+         "Read the current values for each message: [joint.effort for joint in self.joints]."),
     Case("while nothing moves", at_rest, "Your code probably publishes only changes. Publish "
          "every message, even if it repeats the previous one."),
     Case("on the crane Lift", PUBLISHING.sent(0.2, model="crane", name="Lift")),

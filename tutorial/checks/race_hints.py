@@ -4,19 +4,21 @@ from tutorial.checks.exercise import SAYS
 
 HINTS = (
     """Where does your driver give up? Watch a whole race with --view, or save the images with np.save and look at the
-    last ones. The lowest quarter shows floor far ahead of the tracks, so the tank turns too early and cuts corners; in
-    a tight bend, the line even leaves that quarter. And where does the camera point? It moves with the barrel.""",
-    """Lower the barrel for the first images, with axis 3, so that the camera sees the floor nearer to the tank. Ignore
-    the upper third of the image, and use the lowest yellow pixels below it, instead of a fixed quarter. Turn more
-    sharply than the error suggests, and drive more slowly the more sharply you turn. If the line is gone, drive
-    straight ahead for a moment before you decide that it has ended. Then stop, ignore the images, and turn the turret
-    (axis 2) to the rail.""",
-    """The driver needs to remember three things: how many images it got, how many since it last saw the line, and
-    whether the line has ended. To lower the barrel, publish the axes [0, 0, 0, -1] for two images. Then, with rows and
-    columns from np.nonzero, keep the columns where rows > rows.max() - height // 10, use twice the error, limited to -1
-    to 1, as the turn, and 0.35 minus a tenth of the turn's size as the speed. Without a line, publish [0, 0.25, 0, 0],
-    and after eight such images, the line has ended for good, even if the camera sees it again. From then on, publish
-    [0, 0, -1, 0] ten times, and then [0, 0, 1, 0]: the turret sweeps to the right and back to the left.""",
+    last ones. The lowest quarter of the image shows floor far ahead of the tracks, so the tank turns too early and
+    cuts corners; in a tight bend, the line even leaves that quarter. And where does the camera point? It moves with the
+    barrel.""",
+    """During the first images, lower the barrel with axis 3, so that the camera sees the floor nearer to the tank.
+    Ignore the upper third of the image. In the rest, use the lowest yellow pixels instead of a fixed quarter. Turn more
+    sharply than the error suggests, and drive more slowly in sharper turns. If you lose the line, drive straight ahead
+    for a moment before you decide that it has ended. Then stop, ignore the images, and turn the turret (axis 2) to the
+    rail.""",
+    """The driver needs to remember three things: how many images it has received, how many of them since it last saw
+    the line, and whether the line has ended. To lower the barrel, publish the axes [0, 0, 0, -1] for the first two
+    images. Then, with rows and columns from np.nonzero, keep the columns where rows > rows.max() - height // 10. As the
+    turn, use twice the error, limited to the range from -1 to 1; as the speed, use 0.35 minus a tenth of the turn's
+    absolute value. For an image without a line, publish [0, 0.25, 0, 0]. After eight such images in a row, the line has
+    ended for good, even if the camera sees it again. Then publish [0, 0, -1, 0] ten times, and [0, 0, 1, 0] from then
+    on: the turret sweeps to the right and back to the left.""",
 )
 
 

@@ -81,18 +81,19 @@ MISTAKES = [
             replace("LOCAL)", "LOCAL, lifespan=Duration(seconds=1))")),
     Mistake("your publisher offers only what the robot offers. The screen asks for RELIABLE and TRANSIENT_LOCAL.",
             replace('"/wall/joint_state", kept', '"/wall/joint_state", qos_profile_sensor_data')),
-    Mistake("your code subscribes to the screen's topic, and publishes on the robot's: swap the two.",
+    Mistake("your code subscribes to the screen's topic, and publishes on the robot's: swap the topics.",
             both(replace('"/wall/joint_state"', "ROBOT"), replace('"/robot/joint_state"', "WALL"))),
-    Mistake("your code publishes the previous message, so the first one is missing. Publish the message of this call.",
+    Mistake("your code publishes the previous message, so the last one is missing. "
+            "Publish the message that the callback gets.",
             replace("self.publisher.publish(message)", "if hasattr(self, 'previous'):\n"
                     "    self.publisher.publish(self.previous)\nself.previous = message")),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: one subscription to /robot/joint_state with qos_profile_sensor_data, one "
            "publisher on /wall/joint_state that is RELIABLE and TRANSIENT_LOCAL, both created in __init__, and a "
-           "callback that publishes its message.")  # fmt: skip
+           "callback that publishes the message that it gets.")  # fmt: skip
 
-ELSEWHERE = "Publish each message in on_joint_state, immediately, and only there."
-SHARED = "Your subscription uses it, too. Make a new QoSProfile for the publisher."
+ELSEWHERE = "Publish each message immediately, and only in on_joint_state."
+SHARED = "Your subscription uses this profile, too. Make a new QoSProfile for the publisher."
 ROBOT, WALL = "/robot/joint_state", "/wall/joint_state"
 OFFERED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)  # a new profile: an answer can change rclpy's
 ASKED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -144,7 +145,7 @@ class Wiring:
             if not each.is_canceled():
                 self._trial.call(each.callback)
         if len(self._published) > count:
-            raise Misuse("it publishes in a timer", ELSEWHERE)
+            raise Misuse("it publishes from a timer", ELSEWHERE)
         if "thread" in self._trial.noted:
             raise Misuse("it starts a thread", ELSEWHERE)
 
@@ -251,25 +252,27 @@ def on_ros(trial: Trial) -> str:
 
 CASES = [
     Case("from the robot to the relay", from_robot,
-         "Your code probably subscribes to a different topic or type, outside of __init__, or more than once."),
+         "Your code probably subscribes to a different topic, with a different type, outside of __init__, or more than "
+         "once."),
     Case("from the relay to the screen", to_screen,
-         "Your code probably publishes on a different topic or type, or creates the publisher only in the callback."),
+         "Your code probably publishes on a different topic, publishes a different type, or creates the publisher only "
+         "in the callback."),
     Case("a message", shown(0.5),
-         "Your code probably publishes a new or changed message, or publishes it twice. "
+         "Your code probably changes the message, creates a new one, or publishes twice. "
          "Publish the received message once."),
-    Case("a message while no screen is there", shown(0.3, screens=0),
+    Case("a message while no screen is connected", shown(0.3, screens=0),
          "Your code probably publishes only while a screen is connected. "
-         "Publish every message: a late screen also gets it."),
+         "Publish every message: a screen that starts late needs the newest one."),
     Case("five messages", shown(0.1, 0.2, 0.3, 0.2, 0.1),
          "Your code probably drops messages or changes their order. Publish each message in the callback."),
     Case("the same message three times", shown(0.5, 0.5, 0.5),
          "Your code probably skips a message that repeats the previous one. Publish each one."),
-    Case("messages of 0", shown(0.0, 0.0), "Your code probably treats 0 as missing. Publish each message."),
+    Case("messages of 0", shown(0.0, 0.0), "Your code probably treats a value of 0 as missing. Publish each message."),
     Case("a message that arrives as soon as the relay subscribes", at_once,
          "Your code probably subscribes before the publisher exists. Create the subscription last."),
     Case("two relays", shown(0.5, relays=2),
-         "Your code probably stores something as a class attribute, which all relays share. "
-         "Set it on self, in __init__."),
+         "Your code probably stores something in a class attribute, which all relays share. "
+         "Store it on self, in __init__."),
 ]  # fmt: skip
 IMPORTS = ("from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data",)
 reach = Exercise("reach", __doc__, Cases(Relay, CASES, MISTAKES, MEANING, on_ros=on_ros), imports=IMPORTS)

@@ -67,16 +67,16 @@ MISTAKES = [
     Mistake("your code closes the bag while the thread can still write: "
             "call self.writer.join() first, without a timeout.",
             replace("self.writer.join()", "pass", "self.bag.close()\nself.writer.join()")),
-    Mistake("your code calls get twice for one entry, and each call removes an entry: "
+    Mistake("your code calls get twice in each iteration, and each call removes an entry: "
             "call get once, and write its result.",
             both(replace("received := self.received.get()", "self.received.get()"),
                  replace("*received)", "*self.received.get())"))),
-    Mistake("your code ends the thread when the queue is empty, as with `while "
-            "not empty()` or get(timeout=...): wait for more with get().",
+    Mistake("your code ends the thread when the queue is empty, for example with `while "
+            "not empty()` or get(timeout=...): wait for the next entry with get().",
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
     Mistake("something other than None, such as a flag, ends the thread while "
-            "entries are still waiting. Let only None end it.",
+            "entries are still waiting. Let only None end the thread.",
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
@@ -85,14 +85,16 @@ MISTAKES = [
             replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
-           "Only the thread removes entries and writes them, and only None ends it.")  # fmt: skip
-NEVER = "Your code probably puts None after join, or not at all: put it before join, so that the thread ends."
+           "Only the thread removes entries and writes them, and only None ends the thread.")  # fmt: skip
+NEVER = "Your code probably calls put(None) after join, or not at all: call it before join, so that the thread ends."
 PAST_NONE = "Your code probably continues after None: exit the loop after None."
-STOLEN = "Your code probably removes None from the queue outside of the thread: call get only in write, on the thread."
-BUSY = "A busy loop wastes CPU time: self.received.get() waits for an entry, and self.writer.join() for the thread."
-THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
-NO_SUPER = "Call it: it creates the queue, the bag, the thread and the subscription."
-TOO_EARLY = "super().configure(config) starts the thread: set everything that write needs before that line."
+STOLEN = "Your code probably removes None from the queue outside of the thread: call get only in write."
+BUSY = ("A busy loop wastes CPU time: self.received.get() waits for an entry, "
+        "and self.writer.join() waits for the thread.")  # fmt: skip
+THE_NODE = ("The node belongs to the whole program: destroy only the subscription, "
+            "with self.node.destroy_subscription(self.subscription).")  # fmt: skip
+NO_SUPER = "Call the method: it creates the queue, the bag, the thread and the subscription."
+TOO_EARLY = "super().configure(config) starts the thread: before that line, set everything that write needs."
 OFTEN = 100  # the limit on consecutive calls to empty()
 
 
@@ -265,7 +267,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
         scene.join()
         also += ["the bag is still open"] * (leaves and scene.is_open)
         are_all = len(scene.written) == sum(each is not None for each in (*waiting, *coming))
-        also += ["each entry is written only after the next one is removed"] * (scene.keeps and are_all)
+        also += ["each entry is written only after the next one is removed from the queue"] * (scene.keeps and are_all)
         return ", ".join([*(scene.written or ["nothing is written"]), *also])
 
     return case

@@ -122,38 +122,38 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST = [
     Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-         "Your code probably doesn't set any positions, or changes them before it sets them. "
-         "Call self.body.set_joint_positions(positions), in rad."),
-    Case("its joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
+         "Your code probably sets no positions, or changes the received positions first. "
+         "Call self.body.set_joint_positions(positions), with positions in rad."),
+    Case("the joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
          "Your code probably matches positions by their index in the message. "
          "Match them by name, as match_joints does."),
     Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
     Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
-         "Your code probably expects every joint in every message, or skips positions of 0 or below. Set the joints "
-         "that the message names, and don't move the other joints.", crashes=True),
+         "Your code probably expects every joint in every message, or skips positions of 0 or below. Set only the "
+         "joints that the message names.", crashes=True),
     Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
-         "Your code probably uses a name that the body does not have. Skip it, and show the other joints, "
-         "as match_joints does.", crashes=True),
+         "Your code probably uses the name of a joint that the body does not have. Skip that joint, and show the other "
+         "joints, as match_joints does.", crashes=True),
     Case("NaN for one joint", steps(states(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), Viewer.where),
          "Your code probably sets NaN as a position. Leave that joint where it is, as match_joints does."),
-    Case("two names, one position or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where),
-         "Your code probably uses an index beyond the end: there can be "
-         "fewer positions than names. match_joints handles that.", crashes=True),
+    Case("two names, but only one position, or none", steps(states(("P Y", [0.11]), ("Y P", [])), Viewer.where),
+         "Your code probably uses an index beyond the end of the positions: there can "
+         "be fewer positions than names. match_joints handles that.", crashes=True),
     Case("a late message, then a restart of the publisher", steps(heard(*LATE), Viewer.where),
          "Your code probably drops a message because of its stamp. After the publisher "
          "restarts, its stamps are smaller than before, and two messages can have the same stamp."),
     Case("the same message again", steps(repeated), "Your code probably skips a message that repeats the "
-         "positions of the previous one. Show every message, and notify after each one."),
+         "positions of the previous one. Show every message, and call notify_change for each one."),
     Case("a message that arrives while the body is being drawn",
          steps(while_drawn, states(("Y P", (0.21, 0.21))), Viewer.news),
-         "Your code probably holds a lock while it draws, so the callback waits. "
+         "Your code probably holds a lock while it draws, so the callback has to wait. "
          "Hold the lock only while you get the message."),
-    Case("a call waiting when the controller leaves", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
+    Case("a call that is waiting when the controller leaves the body", steps(lambda viewer: viewer.leaves(MESSAGES[0])),
          PAST_THE_QUEUE),
 ]  # fmt: skip
 LAST = [
-    Case("two viewers at once, one of the crane", steps(side_by_side(its_own, Viewer.drain, Viewer.where)),
-         "Your code probably hard-codes the body's name or its joints. Take them from config.body.", crashes=True),
+    Case("two viewers at once, one of them for the crane", steps(side_by_side(its_own, Viewer.drain, Viewer.where)),
+         "Your code probably hard-codes the names of the body or its joints. Get them from config.body.", crashes=True),
     Case("after unconfigure", steps(Viewer.leaves, Viewer.left)),
 ]  # fmt: skip
 SWAPPED = joint_state("P Y", (0.2, 0.1))

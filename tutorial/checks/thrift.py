@@ -71,7 +71,7 @@ class ThriftyPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("your first message lacks joints. Before it, nothing was sent: "
+    Mistake("your first message lacks joints. Before the first message, nothing has been sent: "
             "start with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
@@ -83,14 +83,15 @@ MISTAKES = [
             replace("n not in self.sent or", "not self.sent.get(n) or")),
     Mistake("your code sends all joints as soon as one has moved. Name only the joints that have moved.",
             replace("message =", "news = positions\nmessage =")),
-    Mistake("your code names only one of the joints that have moved, perhaps because of a break. Name all of them.",
+    Mistake("your code names only one of the joints that have moved, perhaps because of a break statement. "
+            "Name all of them.",
             replace("if news:", "news = dict([*news.items()][:1])\nif news:",
                     "news = dict([*news.items()][-1:])\nif news:",
                     "news = dict([*news.items()][: 1 if self.sent else None])\nif news:")),
-    Mistake("your code sends a message even if no joint has moved. Send nothing then.",
+    Mistake("your code sends a message even if no joint has moved. In that case, send nothing.",
             replace("if news:", "if True:")),
-    Mistake("your code compares with the positions of 1/50 s ago, or of the last "
-            "message. Compare with the position last sent for each joint.",
+    Mistake("your code compares the positions with those from 1/50 s ago, or from the time of the last "
+            "message. Compare each position with the last one sent for the same joint.",
             replace("if news:", "self.sent = positions\nif news:",
                     "self.sent = positions if news else self.sent\nif news:")),
     Mistake("your code tests how fast a joint moves. Test how far it is "
@@ -100,25 +101,25 @@ MISTAKES = [
     Mistake("your code compares a position with itself: it updates self.sent too early, or stores the joint instead of "
             "its position. Compare first.",
             replace("n not in self.sent or abs(q - self.sent[n]) > 0.001", "n not in self.sent")),
-    Mistake("your code compares rounded positions. Test their distance: abs(a - b) > 0.001.",
+    Mistake("your code compares rounded positions. Compare the exact difference: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n]) > 0.001", "round(q, 3) != round(self.sent[n], 3)",
                     "int(q * 1000) != int(self.sent[n] * 1000)")),
-    Mistake("your code compares without abs, or uses abs for each position. "
-            "A joint moves in both directions: abs(a - b) > 0.001.",
+    Mistake("your code omits abs, or applies it to each position instead of the difference. "
+            "A joint can move in both directions: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
                     "abs(abs(q) - abs(self.sent[n]))")),
-    Mistake("your code doesn't store the sent positions, or it loses the other joints with self.sent = ... "
+    Mistake("your code doesn't store the sent positions, or it replaces self.sent and loses the other positions. "
             "Write self.sent.update(news).",
             replace("self.sent.update(news)", "self.sent = news | self.sent", "self.sent = news")),
-    Mistake("your threshold is too large. Send a joint as soon as it is "
-            "more than 0.001 rad (or m) from its last sent position.",
+    Mistake("your threshold is too large. Send a joint's position as soon as it "
+            "differs by more than 0.001 rad (or m) from the last one sent.",
             replace("> 0.001", "> 0.1", "> 0.01")),
     Mistake(ALL_JOINTS, replace("self.io.body.joints", "self.io.body.joints[:2]",
                                 'map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))')),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: when io.step % steps_per_look == 0, compare each joint's position with its "
-           "last sent position. Each message has new lists: the "
-           "names of the joints that have moved, and their positions, nothing else.")  # fmt: skip
+           "last sent position. Each message has new lists, which contain "
+           "only the names of the joints that have moved, and their positions.")  # fmt: skip
 
 LOOK = 0.02  # [s]
 Move = tuple[float, float, float]  # the moves of the crane's joints [m, rad, rad]
@@ -177,7 +178,7 @@ CASES = [
     Case("LUFF moves, then trembles", moved(*[(0.0, 0.0, by) for by in (0.2996, 0.0007, -0.0009, 0.0007)])),
     Case("LUFF creeps", moved(*[(0.0, 0.0, 0.00035)] * 8)),
     Case("BRIDGE and SLEW move", moved((0.006, 0.05, 0.0))),
-    Case("LUFF creeps on while SLEW moves", moved(*[(0.0, 0.05, 0.00035)] * 9)),
+    Case("LUFF keeps creeping while SLEW moves", moved(*[(0.0, 0.05, 0.00035)] * 9)),
     Case("BRIDGE moves back", moved((0.02, 0.0, 0.0), (-0.04, 0.0, 0.0), REST, REST)),
     Case("each position", moved((0.1, 0.3004, -0.2004), SLEW, (0.0, 0.0, 0.05), look=positions),
          "Your code probably sends how far the joint has moved, or a rounded "

@@ -55,11 +55,11 @@ MISTAKES = [
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
     Mistake("your code subtracts the message's stamp, which can be empty. "
-            "Store the seconds of the first call with the new message.",
+            "Store the argument seconds in the first call with the new message.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
-    Mistake("your code compares the messages' contents. A stick held still sends "
-            "identical messages: compare the objects, with `is not`.",
+    Mistake("your code compares the messages' contents. While a stick is held still, the "
+            "messages are identical: compare the objects, with `is not`.",
             replace("message is not self.message", "message != self.message",
                     'message.axes != getattr(self.message, "axes", None)')),
     Mistake("your code stores only the time of the first message. Set self.since for every new message.",
@@ -68,12 +68,12 @@ MISTAKES = [
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
-    Mistake("your code computes the age in whole seconds. Don't round: seconds - self.since.",
+    Mistake("your code computes the age in whole seconds. Don't round seconds - self.since.",
             replace("return seconds - self.since", "return int(seconds - self.since)",
                     "return int(seconds) - int(self.since)")),
 ]  # fmt: skip
 MEANING = ("Your code probably computes the age incorrectly. "
-           "In each call, test whether seconds - self.since <= 0.5, unrounded.")  # fmt: skip
+           "In each call, test whether seconds - self.since <= 0.5, without rounding.")  # fmt: skip
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
@@ -114,14 +114,14 @@ CASES = [
          "Set self.since when the message is new, and only then. The first message is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
          "Your code probably doesn't set self.since in the first call. "
-         "Store the seconds of the first call with the new message."),
+         "Store the argument seconds in the first call with the new message."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
-    Case("a held stick, an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
+    Case("a stick held still, with an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
          "Your code probably compares the messages' contents, or looks for the "
          "message among all earlier ones. Compare with the previous message, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
-    Case("40 new messages, each after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
+    Case("40 new messages, each created after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
          "Your code probably stores id(message), and a later message can get "
          "the same id. Store the message itself, and use `is not`."),
     Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],

@@ -95,7 +95,7 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
                     result = bench.node.set_parameters_atomically(given)
                 said.append("accepted" if result.successful else "refused")
                 if not result.successful and reason not in result.reason:
-                    cause = f"A refusal's reason has to contain the sum of the new speed and turn: {reason}."
+                    cause = f"The reason for refusing has to contain the sum of the new speed and turn: {reason}."
                     raise Failure(method, Misuse(f"the reason is {result.reason!r}", cause))
             speed, turn = limits(trial, bench)
         return f"{', '.join(said)}: speed {speed:g}, turn {turn:g}"
@@ -126,7 +126,7 @@ def described(trial: Trial) -> str:
         for name in ("speed", "turn"):
             if not bench.node.has_parameter(name):
                 text = f"there is no parameter {name!r}; it creates {bench.created() or 'nothing'}"
-                raise Misuse(text, "In configure, declare it on config.node, with exactly this name.")
+                raise Misuse(text, "In configure, declare the parameter on config.node, with exactly this name.")
             descriptor = bench.node.describe_parameter(name)
             ranges = [
                 f"{each.from_value:g} to {each.to_value:g}{f' in steps of {each.step:g}' if each.step else ''}"
@@ -140,38 +140,40 @@ def described(trial: Trial) -> str:
 
 
 NUMBERS = (
-    "Return a tuple: (speed, turn). get_parameter returns a Parameter; its number is in value, as in "
+    "Return a tuple: (speed, turn). get_parameter returns a Parameter, whose attribute value is the number: "
     "self.node.get_parameter('speed').value."
 )
 STORED = (
-    "limits() probably returns the values in a different order, or values that are stored too early, or only once. "
-    "Return both values of self.node.get_parameter(name).value: refused values never get there."
+    "limits() probably returns the values in the wrong order, or values that your code stored too early, or only once. "
+    "Return self.node.get_parameter(name).value for both parameters: refused values are never stored there."
 )
 ALONE = (
-    "Your code probably uses only the new values, or only the current ones, or tests before it knows all new values. "
-    "Use the new value of each parameter that is in the list, and the current value of the other one. Then test once."
+    "Your code probably uses only new values, or only current ones, or tests the sum before it knows all new values. "
+    "Use the new value of each parameter in the list, and the current value of a parameter that is not in the list. "
+    "Then test the sum once."
 )
 CASES = [
     Case("the parameters, until unconfigure", described,
-         "Declare both as doubles, with a value, a description and a range without steps. In unconfigure, "
+         "Declare both as doubles, with a value, a description and a range without a step size. In unconfigure, "
          "remove the callbacks and undeclare both parameters.", crashes=True),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "The callback probably expects both parameters in the list, refuses too much, or returns no "
+         "The callback probably expects both parameters in the list, refuses valid values, or returns no "
          "SetParametersResult. If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
-         "Your code probably refuses 2.5 itself, or tests each parameter separately. Refuse only a larger sum: > 2.5."),
+         "Your code probably refuses a sum of exactly 2.5, or tests each parameter separately. "
+         "Refuse only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),
-         "Your code probably adds no callback, uses the first value of speed, or compares with a different limit. "
-         "Add the new turn and the current speed."),
+         "Your code probably registers no callback, uses the initial value of speed, or compares the sum with a "
+         "different limit. Add the new turn to the current speed."),
     Case("turn 1.5, then speed 2.0", tried({"turn": 1.5}, {"speed": 2.0}, reason="3.5"),
-         "Your code probably uses the first value of turn, or tests only if turn is in the list. "
-         "Add the new speed and the current turn."),
-    Case("both at once, 0.4 and 2.0", tried({"turn": 2.0, "speed": 0.4}), ALONE),
-    Case("turn 1.5, then both at once, 2.0 and 0.4", tried({"turn": 1.5}, {"speed": 2.0, "turn": 0.4}), ALONE),
-    Case("both at once, 2.0 and 0.6", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
+         "Your code probably uses the initial value of turn, or tests the sum only if turn is in the list. "
+         "Add the new speed to the current turn."),
+    Case("speed 0.4 and turn 2.0 at once", tried({"turn": 2.0, "speed": 0.4}), ALONE),
+    Case("turn 1.5, then speed 2.0 and turn 0.4 at once", tried({"turn": 1.5}, {"speed": 2.0, "turn": 0.4}), ALONE),
+    Case("speed 2.0 and turn 0.6 at once", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
          "Your code probably tests each parameter separately. Test the sum once, with all new values."),
     Case("a parameter that other code declared", tried({"width": 9.0, "turn": 0.7}),
          "The callback probably expects only its own parameters in the list. Ignore other parameters.", crashes=True),
-    Case("speed 1.5, refused by a callback of other code", tried({"speed": 1.5}, vetoed=True)),
+    Case("speed 1.5, refused by a different callback", tried({"speed": 1.5}, vetoed=True)),
 ]  # fmt: skip
 tune = Exercise("tune", __doc__, Cases(TrackLimits, CASES, [], ALONE, one_by_one=True))

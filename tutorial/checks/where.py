@@ -50,26 +50,28 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
 
 
 MISTAKES = [
-    Mistake("your code uses only the last transform or only the first, or skips one of them. Use all transforms.",
+    Mistake("your code uses only the last transform or only the first, or skips a transform. Use all transforms.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
     Mistake("your code goes from the first transform to the last. The point is in the last transform's "
             "child frame: go from the last transform to the first.",
             replace("reversed(transforms)", "transforms")),
-    Mistake("your code adds the inner translations without turning them. Each transform turns everything inside it.",
+    Mistake("your code adds the inner translations without turning them. "
+            "Each transform also turns the translations of the transforms after it.",
             both(replace("for stamped", "place = np.zeros(3)\nfor stamped"),
                  replace("point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])",
                          "point = turned(stamped.transform.rotation, point)\nplace = place + [t.x, t.y, t.z]"),
                  replace("return point", "return place + point"))),
-    Mistake("your code multiplies the rotations in the wrong order: the outer one is on the left, outer * inner.",
+    Mistake("your code multiplies the rotations in the wrong order. "
+            "The outer rotation has to be on the left: outer * inner.",
             both(replace("reversed(transforms):", "transforms:"),
                  replace("for stamped", "place, rotations = np.zeros(3), []\nfor stamped"),
                  replace("point = turned(stamped.transform.rotation, point) + np.array(",
                          "place = place + in_order(rotations,"),
                  replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\nrotations.append(stamped.transform.rotation)"),
                  replace("return point", "return place + in_order(rotations, point)"))),
-    Mistake("your code goes the wrong way, from the parent to the child: "
-            "turn by the rotation, then add the translation.",
+    Mistake("your code transforms the point the wrong way, from the parent to the child: "
+            "first turn the point by the rotation, then add the translation.",
             both(replace("turned(stamped.transform.rotation, point) + np.array(",
                          "turned(stamped.transform.rotation, np.array(point) -"),
                  replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
@@ -77,7 +79,7 @@ MISTAKES = [
             "are 0 if there is no rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
-    Mistake("your code rounds the numbers. Rounding to three decimals loses up to half a millimetre. "
+    Mistake("your code rounds the numbers. Rounding to three decimals changes each number by up to half a millimetre. "
             "Return the unrounded numbers.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
                     "[t.x, t.y, t.z])\npoint = np.round(point, 2)")
@@ -88,7 +90,7 @@ MISTAKES = [
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: go from the last transform to the first. "
            "Each one turns the point, and then adds its whole translation, x, y and z.")  # fmt: skip
-XYZ = "Return the three numbers x, y and z in a list, a tuple or an array. A message such as Point is none of these."
+XYZ = "Return the three numbers x, y and z in a list, a tuple or an array, not in a message such as Point."
 
 Chain = Sequence[tuple[Any, Any, float]]  # translation [m], axis and angle of the rotation [deg]
 
@@ -140,33 +142,33 @@ def three(returned: Any) -> list[float]:
 
 
 ABOUT_Y = ("A rotation about z works, but one about a different axis doesn't. The mistake "
-           "is probably in the terms with x and y: compare with turned(q, point).")  # fmt: skip
+           "is probably in the terms with x and y: compare your code with turned(q, point).")  # fmt: skip
 IN_TURN = ("Your code probably expects a certain number of transforms, or a certain frame. "
-           "Go from the last to the first, whatever their number: each turns the result of the transform after it, and "
-           "then adds its translation.")  # fmt: skip
+           "Go from the last transform to the first, however many there are: each one turns the result of the "
+           "transform after it, and then adds its own translation.")  # fmt: skip
 CASES = [
     Case("a frame that is only translated", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
          "There is no rotation here: x, y and z of the quaternion are 0 and w is 1. Your code probably reads "
-         "w from the wrong place (in ROS it is last), adds only a part of the translation, or looks for a "
+         "w from the wrong place (in ROS it is last), adds only part of the translation, or looks for a "
          "certain frame."),
     Case("a quarter turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
-         "The mistake is probably in the rotation itself: compare "
-         "with turned(q, point). ROS uses x, y, z, w, with w last."),
+         "The mistake is probably in the rotation itself: compare your code "
+         "with turned(q, point). ROS uses the order x, y, z, w."),
     Case("translated, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-         "Translation and rotation each work separately. Your code probably "
-         "combines them in the wrong order: turn first, then add."),
+         "A translation alone works, and so does a rotation alone. Your code probably "
+         "combines them in the wrong order: first turn the point, then add the translation."),
     Case("turned about y, nose up", tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)), ABOUT_Y),
     Case("turned about x, on its side", tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)), ABOUT_Y),
     Case("turned about an oblique axis", tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
          "Rotations about x, y and z work. Your code probably combines "
-         "the three wrongly: compare with turned(q, point)."),
+         "the three incorrectly: compare your code with turned(q, point)."),
     Case("two transforms", tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)), IN_TURN, crashes=True),
-    Case("quaternions with all signs changed", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
-         "q and -q are the same rotation. Your code probably uses the sign of w without the signs of x, y and z."),
+    Case("quaternions with all signs flipped", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
+         "q and -q are the same rotation. Your code probably uses the sign of w, but not those of x, y and z."),
     Case("five transforms", tried(LONG, (0.3, 0.1, -0.2)), IN_TURN, crashes=True),
     Case("a point of ints", tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
-         "An array made from ints can hold only ints. Your code probably loses "
-         "the fractions: start with np.array(point, float).", crashes=True),
+         "An array made from ints can hold only ints. Your code probably drops "
+         "the fractional parts: start with np.array(point, float).", crashes=True),
     Case("a point that is an array", tried(LONG[2:], (0.3, 0.1, -0.2), np.array)),
     Case("no transform", tried([], (1.0, 2.0, 3.0)),
          "Your code probably expects at least one transform. If the list is empty, return the point unchanged.",

@@ -39,7 +39,7 @@ def bag() -> None:
     "--output",
     type=Path,
     metavar="NAME",
-    help="Record into this new folder; by default, into one named after the current time.",
+    help="Record into this new folder; by default, into a folder named after the current time.",
 )
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
@@ -98,19 +98,19 @@ def info(bag: Path) -> None:
 @click.option(
     "-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="Play at this speed."
 )
-@click.option("-l", "--loop", is_flag=True, help="Play again and again, until Ctrl-C.")
+@click.option("-l", "--loop", is_flag=True, help="Play the bag in a loop, until Ctrl-C.")
 @click.option(
     "--clock",
     type=Finite(min=0, min_open=True, max=1000),  # a simulation's step rate; much higher rates delay the messages
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",
-    help=f"Publish the bag's time on /clock at this rate; without a number, at {CLOCK_RATE:g} Hz.",
+    help=f"Publish the bag's time on /clock at this rate; if you give no rate, at {CLOCK_RATE:g} Hz.",
 )
 @click.option(
-    "--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Start this far into the bag."
+    "--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Start this many seconds into the bag."
 )
-@click.option("--topics", multiple=True, metavar="TOPIC...", help="Play only these topics; by default, all.")
+@click.option("--topics", multiple=True, metavar="TOPIC...", help="Play only these topics; by default, all topics.")
 @click.pass_obj
 def play(
     ros_args: list[str],
@@ -127,7 +127,7 @@ def play(
     from tutorial.ros.bags import Bag, Player
 
     if more and not topics:
-        raise click.UsageError(f"{more[0]!r} is unexpected: give one bag, and topics only after --topics.")
+        raise click.UsageError(f"{more[0]!r} is unexpected: give one bag, and list topics only after --topics.")
     opened = Bag(bag)
     stop = threading.Event()
     handle_signals(stop.set)

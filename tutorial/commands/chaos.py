@@ -31,17 +31,20 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     multiple=True,
     callback=_parse_faults,
     metavar="FAULT[:SHARE]",
-    help="Apply this fault to a share of the messages, from 0 to 1; by default, to all. Can be repeated.",
+    help="Apply this fault to this share of the messages, from 0 to 1; by default, to all of them. Can be repeated.",
 )
 @click.option(
-    "--from", "good", metavar="TOPIC", help="Use the correct messages from this topic, instead of a steady swing."
+    "--from",
+    "good",
+    metavar="TOPIC",
+    help="Read the correct messages from this topic, instead of generating a steady swing.",
 )
 @click.option(
     "--seed",
     type=int,
     default=0,
     show_default=True,
-    help="Seed of the random number generator; the same seed repeats the stream.",
+    help="Seed of the random number generator; the same seed always gives the same stream.",
 )
 @click.pass_obj
 def chaos(ros_args: list[str], /, faults: dict[str, float], good: str | None, seed: int) -> None:

@@ -80,7 +80,7 @@ class OneLate(Pairs):
 
 WRONG = [
     (OneLate, "Return a pair when its second message arrives"),
-    (ADefault, "on the class, or in an argument's default value"),
+    (ADefault, "on the class, or in a parameter's default value"),
     (OnlyTwenty, "Your code probably keeps fewer or more than 50 waiting messages"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
     (NeverBehind, "After a restart, stamps start at 0"),

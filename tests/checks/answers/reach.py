@@ -183,12 +183,12 @@ class Echo(Relay):
 
 
 SUBSCRIBED, PUBLISH = "self.on_joint_state, qos_profile_sensor_data", "self.publisher.publish(message)"
-NEW = "Your code probably publishes a new or changed message, or publishes it twice"
+NEW = "Your code probably changes the message, creates a new one, or publishes twice"
 WRONG = [
     (InTheCallback, ["creates the publisher only in the callback"]),
     (HearsFirst, "Create the subscription last"),
     (OnlyChanges, "skips a message that repeats"),
-    *((kind, "in on_joint_state, immediately, and only there") for kind in (Timed, Once, Again, InAThread)),
+    *((kind, "immediately, and only in on_joint_state") for kind in (Timed, Once, Again, InAThread)),
     (Previous, "your code publishes the previous message"),
     *((kind, "only while a screen is connected") for kind in (IfConnected, IfCounted)),
     (SharedProfile, "Make a new QoSProfile for the publisher"),
@@ -206,6 +206,6 @@ WRONG += [
         ((PUBLISH, "self.publisher.publish(JointState(name=message.name, position=message.position))"), NEW),
         ((PUBLISH, "message.header.stamp.sec += 1\nself.publisher.publish(message)"), NEW),
         ((PUBLISH, f"{PUBLISH}\n{PUBLISH}"), NEW),
-        ((PUBLISH, f"if message.position[0]:\n    {PUBLISH}"), "treats 0 as missing"),
+        ((PUBLISH, f"if message.position[0]:\n    {PUBLISH}"), "treats a value of 0 as missing"),
     ]
 ]

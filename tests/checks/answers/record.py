@@ -94,7 +94,7 @@ WRONG = [
         NEVER,
     ),
     (CountsTooLate, "super().configure(config) starts the thread"),
-    (CallsNoSuper, "Call it: it creates the queue"),
+    (CallsNoSuper, "Call the method: it creates the queue"),
     (GoesOn, "Your code probably continues after None"),
     (Polls, ["get() waits for an entry"]),
 ]

@@ -99,7 +99,7 @@ WRONG += [
     for edits, cause in [
         ([(POSITIONS, "positions(dict(zip(self.body.joint_names, message.position)))")], "by their index"),
         ([(POSITIONS, "positions({n: q for n, q in positions.items() if q})")], "skips positions of 0"),
-        ([(POSITIONS, "positions(dict(zip(message.name, message.position)))")], "a name that the body does not have"),
+        ([(POSITIONS, "positions(dict(zip(message.name, message.position)))")], "a joint that the body does not have"),
         ([(POSITIONS, NO_ANTENNA)], "sets NaN as a position"),
         ([(MATCHES, f"[message.position[i] for i, _ in enumerate(message.name)]\n{MATCHES}")], "an index beyond"),
         ([(MATCHES, f"if message.header.stamp.sec < 1: return\n{MATCHES}")], "because of its stamp"),

@@ -138,14 +138,14 @@ IF_TURN = ("if total > 2.5:", "if total > 2.5 and 'turn' in [each.name for each 
 BOTH = ("if each.name in new})", "if each.name in new})\nnew = {each.name: each.value for each in parameters}")
 
 WRONG = [
-    (edited(tune, (NEW, "pass")), "Add the new turn and the current speed"),
+    (edited(tune, (NEW, "pass")), "Add the new turn to the current speed"),
     (edited(tune, ('dict(zip(("speed", "turn"), self.limits()))', '{"speed": 0.0, "turn": 0.0}')), "current speed"),
     (edited(tune, ('dict(zip(("speed", "turn"), self.limits()))', '{"speed": 1.0, "turn": 0.5}')), "the current speed"),
     (
         edited(tune, (" if each.name in new", ""), ('new["speed"] + new["turn"]', "sum(new.values())")),
         "Ignore other parameters",
     ),
-    (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "Your code probably uses only the new values"),
+    (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "Your code probably uses only new values"),
     (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
     (edited(tune, (f", {REASON}", "")), "has to contain the sum of the new speed and turn: 3.5"),
     (
@@ -163,17 +163,17 @@ WRONG = [
         edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")),
         "or tests each parameter separately",
     ),
-    (edited(tune, ("> 2.5", ">= 2.5")), "Your code probably refuses 2.5 itself"),
-    (edited(tune, FIRST_TURN), "first value of turn"),
-    (edited(tune, IF_TURN), "tests only if turn is in the list"),
+    (edited(tune, ("> 2.5", ">= 2.5")), "Your code probably refuses a sum of exactly 2.5"),
+    (edited(tune, FIRST_TURN), "initial value of turn"),
+    (edited(tune, IF_TURN), "tests the sum only if turn is in the list"),
     (edited(tune, BOTH), "expects both parameters in the list"),
-    (edited(tune, ("to_value=2.0", "to_value=2.0, step=0.1")), "a range without steps"),
+    (edited(tune, ("to_value=2.0", "to_value=2.0, step=0.1")), "a range without a step size"),
     (edited(tune, ('self.node.get_parameter("speed").value, self.node', "1.0, self.node")), "or only once"),
     (
         edited(
             tune, ('self.node.get_parameter("speed").value, self.node', 'self.node.get_parameter("speed"), self.node')
         ),
-        "its number is in value",
+        "whose attribute value is the number",
     ),
     (Prefixed, "with exactly this name"),
     (Stores, "stored too early"),
