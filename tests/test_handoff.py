@@ -294,7 +294,7 @@ class TestRequests:
     def test_a_late_request_is_never_carried_out(self, requests):
         ran = []
         requests.open(None)
-        assert refusal(requests.ask, ran.append, 1, timeout=0.01).endswith("not finished its step within 0.01 s.")
+        assert refusal(requests.ask, ran.append, 1, timeout=0.01).endswith("not finish its step within 0.01 s.")
         requests.run_waiting()
         assert ran == []
 
@@ -302,7 +302,7 @@ class TestRequests:
         let = threading.Event()
         with stepping(requests):
             said = refusal(requests.ask, let.wait, TIMEOUT, timeout=0.05)
-            assert said == "the request has begun, but has not returned within 0.05 s."
+            assert said == "the request was started, but did not return within 0.05 s."
             let.set()
             assert requests.ask(int) == 0
 
@@ -315,7 +315,7 @@ class TestRequests:
             asked = pool.submit(refusal, requests.ask, interrupt, timeout=0.1)
             with pytest.raises(KeyboardInterrupt):
                 until(requests.run_waiting)
-            assert asked.result().startswith("the request has begun")
+            assert asked.result().startswith("the request was started")
 
     def test_the_stepping_thread_cannot_ask_itself(self, requests):
         with stepping(requests), pytest.raises(WrongThreadError, match="Call the function directly"):

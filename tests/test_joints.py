@@ -62,7 +62,7 @@ def test_only_known_joints_move_and_only_to_received_finite_values(stream):
         assert (values, report, str(report)) == (*fresh, str(fresh[1])), "the matcher behaves like a new one"
 
 
-TWICE = "named twice, the last number is used: 'a'"
+TWICE = "named twice (the last number is used): 'a'"
 KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
 
 
@@ -76,7 +76,7 @@ KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
         (TANK, [*TANK], [], {}, "0 joints shown"),
         (TANK, ["TURRET_Y"] * 2, [0.1], {"TURRET_Y": 0.1}, "1 joint shown; no position for the last name"),
         (TANK, ["TURRET_Y"] * 3, [0.1], {"TURRET_Y": 0.1}, "1 joint shown; no position for the last 2 names"),
-        (TANK, ["TURRET_Y"], [0.1] * 3, {"TURRET_Y": 0.1}, "1 joint shown; more positions than names, by 2"),
+        (TANK, ["TURRET_Y"], [0.1] * 3, {"TURRET_Y": 0.1}, "1 joint shown; positions without a name: 2"),
         (TANK, ["TURRET_P"], [0.7909], {"TURRET_P": 0.7909}, "1 joint shown"),
         (TANK, ["TURRET_P"], [1.5], {"TURRET_P": 1.5}, "1 joint shown; outside its range: 'TURRET_P'"),
         *(
@@ -113,7 +113,7 @@ def test_a_report_is_plain_values_with_a_short_repr():
     [
         ((100, 140, 120, 160), {120}, "1 joint shown"),
         ((1900, 900, 950), {900, 950}, "a late message was dropped"),
-        ((5000, 20), set(), "1 joint shown; the publisher was started again"),
+        ((5000, 20), set(), "1 joint shown; the publisher was restarted"),
         ((500, 0, 20), set(), "1 joint shown"),
         ((0, 0, 20, 20), set(), "1 joint shown"),
         ((-5,), set(), "1 joint shown"),
@@ -231,7 +231,7 @@ def turns(found):
 
 RATES = st.sampled_from([10.0, 20.0, 50.0, 100.0])
 OFFSETS = st.sampled_from([0.0, 0.003, 0.02, 0.03, 0.3, 0.99, 5.0, 500.0, 1.7e9])
-SILENT = "the publisher was started again, or is silent, and the viewer follows a new one"
+SILENT = "the publisher was restarted or is silent, and the viewer follows a different one"
 
 
 class TestTwoPublishers:
@@ -322,7 +322,7 @@ class TestTwoPublishers:
         before, again = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("again", 5, 7, 0, 50, -1.0)
         found = follow([before, Publisher("other", 2, 4, 50, 50, 0.0), again], Random(0), 0.0)
         first = next(report for _, name, report in found if name == "again")
-        assert str(first).startswith("2 joints shown; the publisher was started again")
+        assert str(first).startswith("2 joints shown; the publisher was restarted")
 
     def test_when_the_followed_one_leaves_the_other_is_shown_at_once(self):
         one, other = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("other", 2, 6, 0, 50, -1.0)

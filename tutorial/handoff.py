@@ -293,9 +293,9 @@ class RequestQueue:
         wait([answer], timeout)
         # cancel() settles the race: it returns False if the simulation's thread has already begun the request.
         if answer.cancel():  # the request has not begun, and never will
-            raise RefusedError(f"the simulation has not finished its step within {timeout:g} s.")
+            raise RefusedError(f"the simulation did not finish its step within {timeout:g} s.")
         if not answer.done():
-            raise RefusedError(f"the request has begun, but has not returned within {timeout:g} s.")
+            raise RefusedError(f"the request was started, but did not return within {timeout:g} s.")
         return answer.result()
 
     def run_waiting(self) -> None:

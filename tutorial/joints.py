@@ -85,8 +85,8 @@ class Arrival(Enum):
     """How a message follows the previous ones. If the joints' values differ, the report has the one listed last."""
 
     NEXT = ""  #: the publisher's next message
-    RESTARTED = "the publisher was started again"  #: its stamp jumps far back
-    SWITCHED = "the publisher was started again, or is silent, and the viewer follows a new one"  #: its publisher
+    RESTARTED = "the publisher was restarted"  #: its stamp jumps far back
+    SWITCHED = "the publisher was restarted or is silent, and the viewer follows a different one"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed
 
@@ -133,9 +133,9 @@ class JointReport(NamedTuple):
         complaints = (
             (self.arrival.value, arrival),
             (self.unknown.total, f"unknown {self.unknown}.{hint}"),
-            (self.duplicate.total, f"named twice, the last number is used: {self.duplicate}"),
+            (self.duplicate.total, f"named twice (the last number is used): {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
-            (self.long, f"more positions than names, by {self.long}"),
+            (self.long, f"positions without a name: {self.long}"),
             (self.non_finite.total, f"not a finite number: {self.non_finite}"),
             (self.huge.total, f"too large to show: {self.huge}"),
             (self.outside.total, f"outside its range: {self.outside}"),

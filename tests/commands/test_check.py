@@ -102,7 +102,7 @@ def judged(school, tmp_path_factory):
     return by_learner, whole, done, junit
 
 
-DISTURBED = "The answer disturbed the process that judged it."
+DISTURBED = "The answer interfered with the process that judged it."
 AIM = [
     ("carl", "not judged", f"The answer did not finish within {LIMIT} s."),
     ("jack", "not judged", DISTURBED),
@@ -163,7 +163,7 @@ def test_without_a_sandbox_nothing_is_judged_and_a_full_disk_costs_no_verdict(pr
     running = program("check", path, "--no-sandbox", "--junit", "/dev/full")
     assert running.ends() == 1
     assert "2 answers: 1 right, 1 not judged" in running.output
-    assert "There was no sandbox" in running.output
+    assert "The answers ran without a sandbox" in running.output
     assert "Error: the JUnit report cannot be written: No space left on device." in running.output
     assert "Traceback" not in running.output
 

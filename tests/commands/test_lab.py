@@ -155,7 +155,7 @@ def test_changed_files_stay_and_missing_ones_are_added(shipped, caplog):
     (shipped / "notebooks" / "4_imu_publisher.ipynb").write_text("a later version's")
     caplog.set_level(logging.INFO)
     assert own_course() == own_course() == course
-    assert caplog.messages == [f"added the missing course files to {course}; your changes there remain"]
+    assert caplog.messages == [f"added the missing course files to {course}; your changes there are kept"]
     names = ("0_setup.ipynb", "mine.ipynb", "4_imu_publisher.ipynb")
     assert files_in(course / "notebooks") == dict(zip(names, ("my answers", "my own", "a later version's")))
 
@@ -183,8 +183,8 @@ def test_a_checkout_stays_unchanged(shipped, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda here: (here / "tank-tutorial").write_text(""), r"be copied to .*tank-tutorial: .*\. Go to your own"),
-        (lambda here: own_course(), r"tank-tutorial belongs to another user\. Go to your own folder"),
+        (lambda here: (here / "tank-tutorial").write_text(""), r"be copied to .*tank-tutorial: .*\. Change to a"),
+        (lambda here: own_course(), r"tank-tutorial belongs to another user\. Change to a folder of your own"),
     ],
 )
 def test_an_unusable_folder_is_reported(shipped, tmp_path, monkeypatch, spoil, said):

@@ -134,7 +134,7 @@ def test_each_line_names_its_process_and_is_escaped(machine, launch_file, monkey
 def test_when_one_fails_the_rest_stop_and_its_status_counts(machine, launch_file, program, status, left):
     assert machine.run(launch_file(sleeper=["sleeper"], **{program: [program]})) == status
     said = [line for line in machine.lines if "failed with" in line]
-    assert said == [f"{program:7} | failed with exit status {status}; the other processes are stopped"]
+    assert said == [f"{program:7} | failed with exit status {status}; stopping the other processes"]
     assert machine.heard == [[INT], left]  # the remaining group of the killed process
 
 
@@ -142,7 +142,7 @@ def test_when_stopping_it_kills_processes_that_do_not_end(machine, launch_file, 
     monkeypatch.setattr(launcher, "TIMEOUT", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted
-    assert machine.lines[-1] == "stubborn | did not stop within 0.2 s, so it is killed"
+    assert machine.lines[-1] == "stubborn | did not stop within 0.2 s; killing it"
     assert machine.heard[0] == [INT]
     assert machine.heard[1][:2] == [INT, KILL]
 

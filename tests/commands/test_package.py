@@ -162,7 +162,7 @@ def test_a_file_without_a_usable_class_is_refused(here):
     (here / "new.py").write_text(one.replace("class TankController", "class TankControl"))
     for controller, said in (
         ("mine.py", r"2 controllers\. Say which one: mine\.py:JointStatePublisher, mine\.py:TankController\."),
-        ("new.py", r"no step has a controller 'TankControl'\. Did you mean 'TankController'\?"),
+        ("new.py", r"no step has a controller named 'TankControl'\. Did you mean 'TankController'\?"),
     ):
         with pytest.raises(TutorialError, match=said):
             make("my_tank", "--controller", controller)
@@ -179,7 +179,7 @@ def test_existing_files_are_kept(here):
     (here / "my_tank").mkdir()
     (here / "my_tank" / "setup.py").write_text("mine")
     before = files(here)
-    with pytest.raises(TutorialError, match="'my_tank' already exists and is not overwritten"):
+    with pytest.raises(TutorialError, match="'my_tank' already exists and will not be overwritten"):
         make("my_tank")
     assert files(here) == before
     assert (here / "my_tank" / "setup.py").read_text() == "mine"

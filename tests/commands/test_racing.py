@@ -189,8 +189,8 @@ def test_a_driver_that_changes_the_line_ends_the_league(program, tmp_path):
     (tmp_path / "next.py").write_text(STANDS + ENDLESS)
     running = program("race", tmp_path / "cheat.py", tmp_path / "next.py", "--layout", line)
     assert running.ends() == 1
-    assert "cheat.py: the line or files of the tutorial have changed\n" in running.output
-    assert "have changed: restore them, and race the remaining drivers again." in running.output
+    assert "cheat.py: the line or the tutorial's files have changed\n" in running.output
+    assert "have changed: restore them, and then race the remaining drivers." in running.output
 
 
 @pytest.mark.nightly

@@ -12,7 +12,7 @@ def test_services_need_a_real_ros_2(tank, command):
     run = tank(command)
     assert (run.status, run.stdout) == (1, "")
     assert run.stderr.startswith("A service needs a real ROS 2, because the pocket one has only topics. ")
-    assert run.stderr.endswith("Use it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
+    assert run.stderr.endswith("To use it, run export TUTORIAL_ROS=rclpy or, in a notebook, use_real_ros().\n")
 
 
 @pytest.mark.pocket

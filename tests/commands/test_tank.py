@@ -40,7 +40,7 @@ class TankController(SimpleController):
         ("urdf arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
         ("run step3 --robot arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
         ("urdf mine.py", 1, "'mine.py' is not a model: its name does not end in '.xml'."),
-        ("check .", 1, "Error: there is no notebook in ."),
+        ("check .", 1, "Error: there are no notebooks in ."),
         ("bag record", 2, "name the topics, or give -a for all topics."),
         ("bag play a b", 2, "'b' is unexpected: give one bag"),
         ("bag play a --clock 1e308", 2, "1e+308 is not in the range 0<x<=1000."),

@@ -143,7 +143,7 @@ def test_a_restarted_publisher_is_shown_at_once(viewer):
     viewer.hear(*(joint_state(20 * i, 0.75) for i in range(1010, 1050)))  # the transforms stop earlier
     for i in range(10):
         assert viewer.hear(transform(20 * i, 0.1 * i), joint_state(20 * i, 0.01 * i)) == (0.1 * i, 0.01 * i)
-    assert str(viewer.reports[10]) == "1 joint shown; the publisher was started again"
+    assert str(viewer.reports[10]) == "1 joint shown; the publisher was restarted"
     assert viewer.left_out == {ALONE: 40}
 
 

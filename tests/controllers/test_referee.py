@@ -87,8 +87,11 @@ async def test_a_second_publisher_is_a_foul(race, message_type, topic, allowed):
     [
         (lambda data: data.qpos.__setitem__(0, 0.9), "the tank has jumped 0.9"),
         (lambda data: data.qvel.__setitem__(0, 20.0), "the tank has jumped 0."),
-        (lambda data: data.qfrc_applied.__setitem__(0, 5.0), "something other than its motors moves the tank"),
-        (lambda data: data.xfrc_applied.__setitem__((-1, 0), 5.0), "something other than its motors moves the tank"),
+        (lambda data: data.qfrc_applied.__setitem__(0, 5.0), "the tank is moved by something other than its motors"),
+        (
+            lambda data: data.xfrc_applied.__setitem__((-1, 0), 5.0),
+            "the tank is moved by something other than its motors",
+        ),
     ],
 )
 @in_a_loop
@@ -102,7 +105,7 @@ async def test_a_tank_that_its_motors_do_not_move_is_a_foul(race, act, said):
 @in_a_loop
 async def test_a_race_needs_a_line_that_begins_at_the_tank(race):
     with pytest.raises(
-        ControllerError, match=r"more than 0\.3 m from the tank. Begin it at the tank, at \[0\.00, 0\.00\]\."
+        ControllerError, match=r"more than 0\.3 m from the tank. Make it begin at the tank, at \[0\.00, 0\.00\]\."
     ):
         async with race((0, 0), (0.4, 0), (1, 0)):
             pass

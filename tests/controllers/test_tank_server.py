@@ -55,7 +55,7 @@ async def test_reset_puts_the_tank_back_to_its_start(step10):
             tank.data.qpos[tank.qpos_slice.start] += 1.0  # it drives a metre
             tank.joint("TURRET_Y")._qpos[tank.joint("TURRET_Y").qpos_adr] = 1.0
             host.simulation.start()
-            assert await client.call(Trigger) == (True, "Tank is back at its start")
+            assert await client.call(Trigger) == (True, "Tank is back at its starting position")
             host.simulation.stop()
             assert await client.call(Trigger) == NOT_RUNNING
         assert np.abs(tank.qpos - start)[:7] == pytest.approx(np.zeros(7), abs=0.02)

@@ -13,7 +13,8 @@ def test_warnings_are_counted_and_logged_now_and_then(caplog, monkeypatch):
     monkeypatch.setattr(mujoco_warns, "_due", 0.0)
     mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
     assert caplog.messages == [
-        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until all are valid again.",
+        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. "
+        "All controls are treated as 0 until all of them are valid again.",
         "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is reset to its initial state. "
         "(7 more since the last warning)",
     ]

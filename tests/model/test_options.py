@@ -105,7 +105,7 @@ def test_agreeing_models(world, caplog):
 def test_disagreeing_models(world, caplog, contents, said):
     opt, own = world(*contents).opt, world("").opt
     assert [getattr(opt, name) == pytest.approx(getattr(own, name)) for name in OPTIONS] == [True] * len(OPTIONS)
-    assert caplog.messages == [f"{SAID}{said}. Set them to the same values in all models, or in none."]
+    assert caplog.messages == [f"{SAID}{said}. Set each one to the same value in all models, or omit it everywhere."]
 
 
 @pytest.mark.parametrize("content", ["", option(integrator="discrete"), option(integrator="Euler")])
@@ -132,6 +132,6 @@ def test_attached_file(world, tmp_path, caplog, recwarn, monkeypatch):
     attach = '<asset><model name="arm" file="arm.xml"/></asset><worldbody><attach model="arm" prefix="P_"/></worldbody>'
     world('<option cone="pyramidal"/>' + attach)
     assert caplog.messages == [
-        "a model's file attaches another file whose options differ. That file's options are not used."
+        "a model's file attaches another file whose options differ. The attached file's options are not used."
     ]
     assert list(recwarn) == []

@@ -130,7 +130,7 @@ def test_flat_visual(write, tmp_path):
         (
             robot_of("r.dae"),
             "r.dae",
-            "needs the mesh 'r.dae'. MuJoCo reads .msh, .obj, .stl: convert it, for",
+            "needs the mesh 'r.dae'. MuJoCo reads .msh, .obj, .stl: convert the",
         ),
         (
             ARM,

@@ -39,5 +39,5 @@ async def test_a_repaired_program_publishes(domain):
 
 
 async def test_a_number_without_a_fault():
-    with pytest.raises(TutorialError, match=r"there is no fault 9\. The faults are 1 to 8\."):
+    with pytest.raises(TutorialError, match=r"there is no fault 9\. The faults are numbered 1 to 8\."):
         await start_fault(9)

@@ -103,7 +103,7 @@ async def test_a_program_with_the_same_node_name_is_closed_first():
         viewer.body("Tnak")
     with pytest.raises(TutorialError, match=r"no controller 'JointStatePublisher'\. Did you mean 'JointStateSubs"):
         viewer.controller("JointStatePublisher")
-    with pytest.raises(TutorialError, match="this program only displays"):
+    with pytest.raises(TutorialError, match="this program does not simulate"):
         viewer.simulation.start()
 
 
@@ -150,7 +150,7 @@ async def test_a_simulation_rests_only_after_its_page_was_closed(monkeypatch):
     await until(lambda: program.simulation.time > 0.2)
     program.view._handle_custom_msg({"type": "here", "view": "page"}, [])
     await until(lambda: not program.simulation.running)
-    assert re.match(r"paused at [\d.]+ s, after 0 min without an open page: start\(\) resumes it", below())
+    assert re.match(r"paused at [\d.]+ s, after 0 min without an open page: call start\(\) to resume", below())
     program.advance(0.1)
     await program.run(0.1)
     monkeypatch.setattr(program_module, "REST_AFTER", 300.0)

@@ -123,7 +123,7 @@ async def test_it_follows_one_of_two_publishers_until_it_leaves(step3, caplog):
             for i in range(1, 30):  # like stamps, 3 ms apart
                 assert await say(first, 0.5, 20 * i) == 0.5
                 assert await say(second, -0.5, 20 * i + 3) == 0.5
-            assert f"Tank: 2 nodes publish on {TOPIC}, only one is followed: /one, /other" in caplog.messages
+            assert f"Tank: 2 nodes publish on {TOPIC}; only one of these is followed: /one, /other" in caplog.messages
             one.close()
             await until(lambda: subscription.get_publisher_count() == 1)
             assert await say(second, -0.5, 600) == -0.5

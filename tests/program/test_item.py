@@ -111,7 +111,7 @@ def test_one_shared_joint(joints, nodes, clock, caplog):
     show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.0, 0.2], 20)
     assert joints.applied == 2
     said = "1 joint shown; a message from another publisher was dropped for 'TURRET_Y'"
-    named = "2 nodes publish on /Tank/joint_state, only one is followed: /all, /arm"
+    named = "2 nodes publish on /Tank/joint_state; only one of these is followed: /all, /arm"
     assert joints.line() == f"Tank: {said}; {named} (0.0 s ago)"
     assert caplog.messages == [f"Tank: {named}", f"Tank: {said}"]
 
@@ -125,7 +125,7 @@ def test_a_second_publisher_is_reported_by_name(joints, nodes, clock, caplog):
         show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 20_000_000 * i)
         show(joints, matcher, ["TURRET_Y", "TURRET_P"], [-1.0, 0.2], 20_000_000 * i + 1000)
         clock.now += 0.5
-        said = "2 nodes publish on /Tank/joint_state, only one is followed: /lab/\\x1b[2Jforged, /simulation"
+        said = "2 nodes publish on /Tank/joint_state; only one of these is followed: /lab/\\x1b[2Jforged, /simulation"
         assert joints.line() == f"Tank: 2 joints shown; {said} (0.5 s ago)"
     assert caplog.messages == [f"Tank: {said}"]
     assert (joints.applied, joints.tally["another"]) == (20, 20)
@@ -151,8 +151,8 @@ LINKED = """
         (
             '<connect body1="PALM" anchor="0 0 0"/>',
             [
-                "Hand: its model couples links by <connect>, which the view does not compute. "
-                "Joints that no message names keep their positions: 'C'"
+                "Hand: its model couples links with <connect>, which the view does not compute. "
+                "Joints that are not named in any message keep their positions: 'C'"
             ],
         ),
     ],

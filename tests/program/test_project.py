@@ -76,7 +76,7 @@ def test_every_controller_file_has_the_controller_of_its_name(backend):
 
 @pytest.mark.pocket
 def test_a_project_that_needs_services_says_how_to_get_them():
-    said = r"step10\.yaml, line \d+: TankServer needs a real ROS 2, because .* Use it with export TUTORIAL_ROS=rclpy"
+    said = r"step10\.yaml, line \d+: TankServer needs a real ROS 2, because .* To use it, run export TUTORIAL_ROS=rclpy"
     with pytest.raises(TutorialError, match=said):
         Project.load(find_project("step10"))
 
@@ -135,10 +135,13 @@ def test_a_body_can_lack_geoms_of_its_model(write):
         (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got text."),
         (body("controllers: [\n  TankControler]"), "line 3: there is no controller 'TankControler'. Did you mean 'T"),
         (body("name: Tank_2", "count: 3"), "line 3: there is already a body 'Tank_2'. Rename this one."),
-        (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, starting"),
-        (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic."),
-        (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
-        (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),
+        (
+            body("name: My Tank"),
+            "line 2: 'My Tank' cannot be part of a topic name. Use letters, digits and _, starting",
+        ),
+        (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic name."),
+        (body("name: _T"), "line 2: '_T' cannot be part of a topic name."),
+        (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic name."),
         (body("model: models/tnak.xml"), "line 2: there is no model 'models/tnak.xml'. Did you mean 'models/tank."),
         (body("without: [GUN]"), "line 2: tank.xml has no geom 'GUN'. There are none."),
         (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'."),

@@ -40,12 +40,14 @@ LIMIT = 60.0  # [s] time limit for each answer
     default=LIMIT,
     show_default=True,
     metavar="SECONDS",
-    help="Stop an answer that takes longer than this.",
+    help="Stop any answer that runs longer than SECONDS.",
 )
 @click.option(
-    "--json", "as_json", is_flag=True, help="Print JSON, with the full text of each check, instead of the table."
+    "--json", "as_json", is_flag=True, help="Print JSON, including the full text of each check, instead of a table."
 )
-@click.option("--no-sandbox", is_flag=True, help="Run the answers without a sandbox, if you trust all of them.")
+@click.option(
+    "--no-sandbox", is_flag=True, help="Run the answers without a sandbox. Do this only if you trust all of them."
+)
 @click.option(
     "--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Also write a JUnit XML report to FILE."
 )
@@ -78,7 +80,7 @@ def check(
         junit.open()  # a click LazyFile: fails before judging if the report cannot be written
     paths = _found(notebooks)
     if not paths:
-        raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
+        raise TutorialError(f"there are no notebooks in {', '.join(map(str, notebooks))}")
     if not no_sandbox:
         need_sandbox()
     names = _names(paths)

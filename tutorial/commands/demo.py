@@ -27,7 +27,7 @@ def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     """Lay out each node's sent and received messages, with their latency from publication to callback."""
     table = _table("node", "topic", "sent", "received", "shown", "[Hz]", "median", "p99 [ms]")
     table.caption = (
-        "median and p99 describe the time from publication to callback. Fewer messages can be received than sent: "
+        "median and p99 describe the time from publication to callback. Some of the messages sent may not be received: "
         "the programs start one after another, and a queue of depth 1 holds only the newest message."
     )
     table.caption_justify = "left"

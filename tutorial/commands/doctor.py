@@ -126,7 +126,7 @@ def mujoco() -> Diagnosis:
         fix = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
         return Diagnosis("problem", f"it cannot be imported: {error}", fix)
     if problem:
-        return Diagnosis("note", f"{version}; only cameras do not work: {problem[0]}", problem[1])
+        return Diagnosis("note", f"{version}; everything works except cameras: {problem[0]}", problem[1])
     return Diagnosis("ok", f"{version}, which can render off screen")
 
 
@@ -148,7 +148,9 @@ def backend() -> Diagnosis:
     try:
         kind = _kind()
     except TutorialError as error:
-        return Diagnosis("problem", str(error), f"or use the pocket ROS 2: {f'unset {VARIABLE}' if wanted else pocket}")
+        return Diagnosis(
+            "problem", str(error), f"to use the pocket ROS 2 instead: {f'unset {VARIABLE}' if wanted else pocket}"
+        )
     cyclonedds = f"{PIP} cyclonedds" if folder.is_supported() or sys.platform == "darwin" else folder.how_to_get_it()
     jazzy = f". {SETUP}, or {pocket}" if Path(SETUP).exists() else pocket
     name, repair = {
@@ -166,10 +168,10 @@ def backend() -> Diagnosis:
     if kind != "pocket":
         text += f": rclpy {version}, {file}, on {rmw}"
     if rmw == "rmw_zenoh_cpp":
-        text += ", which does not speak DDS, so it cannot reach nodes on DDS"
+        text += ", which does not use DDS, so its nodes cannot reach nodes that do"
         return Diagnosis("note", text, "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp")
     if kind == "sourced" and distro != "jazzy":
-        return Diagnosis("note", f"{text}. The tutorial is made for jazzy", repair)
+        return Diagnosis("note", f"{text}. The tutorial is written for Jazzy", repair)
     if kind == "pocket" and distro and not wanted:
         text += f", although ROS 2 {distro} is set up in this shell"
         fix = "python3.12 -m venv --system-site-packages ~/tank-ros; activate it, and source ROS 2's setup.bash again"
@@ -201,10 +203,10 @@ def discovery() -> Diagnosis:
             "problem", "the loopback interface (127.0.0.1) is down: programs cannot find each other", TURN_ON
         )
     text = f"{reach}: {RANGES[reach]}"
-    mends = [] if reach == "LOCALHOST" else [f"for this machine only: export {RANGE}=LOCALHOST"]
+    mends = [] if reach == "LOCALHOST" else [f"to reach only nodes on this machine: export {RANGE}=LOCALHOST"]
     for name in filter(os.environ.get, BY_HAND):
         text += f"; {name} is {os.environ[name]!r}, which also affects discovery"
-        mends.append(f"if that is not intended: unset {name}")
+        mends.append(f"if it is not set on purpose: unset {name}")
     return Diagnosis("note" if mends else "ok", text, "; ".join(mends))
 
 
@@ -216,7 +218,7 @@ def domain() -> Diagnosis:
     try:
         names = ask(_nodes)
     except TutorialError as error:
-        fix = "fix the problems with ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
+        fix = "fix the problems with ROS 2 first; ROS_DOMAIN_ID can be any number from 0 to 101"
         return Diagnosis("problem", f"cannot create a node in domain {number}: {error}", fix)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
@@ -235,7 +237,7 @@ PROBES: dict[str, Callable[[], Diagnosis]] = {
     "discovery": discovery,
     "domain": domain,
 }
-"""All probes, by subject, in the order of their results. They run concurrently."""
+"""All probes, by subject, in the order in which their results are printed. They run concurrently."""
 
 
 def _mujoco() -> tuple[str, tuple[str, str] | None]:

@@ -34,7 +34,7 @@ def own_course() -> Path:
     Raises:
         TutorialError: the folder cannot be written to, or belongs to another user.
     """
-    elsewhere = "Go to your own folder, for instance with cd ~, and try again."
+    elsewhere = "Change to a folder of your own, for instance with cd ~, and try again."
     course = Path.cwd() / OWN if HOME == SHIPPED else HOME
     if course.exists() and not is_ours(course):
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
@@ -45,7 +45,7 @@ def own_course() -> Path:
     except OSError as error:
         raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {elsewhere}") from error
     if added:
-        _log.info("added the missing course files to %s; your changes there remain", course)
+        _log.info("added the missing course files to %s; your changes there are kept", course)
     return course
 
 

@@ -139,7 +139,7 @@ class Launcher:
             self._running.pop(name, None)
         if status and not self._stop.is_set():
             self._status = status if status > 0 else 128 - status
-            self._say(name, f"failed with exit status {self._status}; the other processes are stopped")
+            self._say(name, f"failed with exit status {self._status}; stopping the other processes")
             self._stop.set()
 
     def _stop_all(self) -> None:
@@ -151,7 +151,7 @@ class Launcher:
                 return
             time.sleep(LOOK_EVERY)
         for name in self._running:
-            self._say(name, f"did not stop within {TIMEOUT:g} s, so it is killed")
+            self._say(name, f"did not stop within {TIMEOUT:g} s; killing it")
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:

@@ -20,7 +20,7 @@ class Finite(click.FloatRange):
 
 
 Seconds = partial(Finite, max=1_000_000)
-"""A number of seconds, eleven days at most."""
+"""A number of seconds, up to a million (about eleven and a half days)."""
 
 duration_option = click.option(
     "--duration",
@@ -35,7 +35,7 @@ linger_option = click.option(
     default=0.0,
     metavar="SECONDS",
     envvar="TANK_LINGER",
-    help="After the duration, wait at most this long for the other programs to exit.",
+    help="After the duration, wait up to SECONDS for the other programs to exit.",
 )
 report_option = click.option(
     "--report",
@@ -45,7 +45,8 @@ report_option = click.option(
     help="Write measurements to DIR/NODE.json.",
 )
 LAYOUT = (
-    "Race along this line: a name, or a YAML file, such as 'points: [[-2, -0.5], [0, -1], [2, -1.3], [2.6, -0.5]]'."
+    "Race along this line: its name, or a YAML file with, for example, "
+    "'points: [[-2, -0.5], [0, -1], [2, -1.3], [2.6, -0.5]]'."
 )
 headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Don't show the 3D view.")
 

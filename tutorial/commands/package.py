@@ -18,14 +18,14 @@ from tutorial.system.printing import print_text
     "--controller",
     "own",
     metavar="FILE[:CLASS]",
-    help="Use the controller in this Python file; CLASS selects one of several.",
+    help="Use the controller in this Python file; if it defines several, CLASS selects one.",
 )
 @click.option(
     "--destination-directory",
     "destination",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path(),
-    help="Make the package in this folder; by default, in the current directory.",
+    help="Make the package in this folder instead of the current one.",
 )
 @click.option(
     "--interfaces", is_flag=True, help="Make an interface package with a message, a service and an action instead."
@@ -49,12 +49,15 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool, ser
     print_text("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
     if interfaces:
         print_text(
-            "\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 from tank ros install:\n\n"
+            "\nIf you add a file, list it in CMakeLists.txt. "
+            "Build the package for the ROS 2 that tank ros install has installed:\n\n"
         )
         print_text(f"    tank ros build {printable(str(folder))}\n\n")
-        print_text(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
+        print_text(f"or build it with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
         return
-    print_text("\nFill in the license in package.xml and setup.py, and the maintainer if git doesn't know it. ")
+    print_text(
+        "\nFill in the license in package.xml and setup.py, and the maintainer if git doesn't know who you are. "
+    )
     print_text("README.md explains how to build and run the package:\n\n")
     print_text(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
     print_text(f"    ros2 run {name} {executable}\n    ros2 launch {name} {name}.launch.py\n")
@@ -72,7 +75,9 @@ def _write(folder: Path, files: Mapping[str, bytes]) -> None:
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
     except FileExistsError as error:
-        text = f"{str(error.filename)!r} already exists and is not overwritten. Give a different name or destination."
+        text = (
+            f"{str(error.filename)!r} already exists and will not be overwritten. Give a different name or destination."
+        )
         raise TutorialError(text) from None
     except OSError as error:
         raise TutorialError(f"{str(folder)!r} cannot be written: {error.strerror}") from error

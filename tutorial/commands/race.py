@@ -31,9 +31,9 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option("--layout", default="bend", show_default=True, help=LAYOUT)
 @click.option(
     "--limit", type=click.FloatRange(1, LIMIT), default=LIMIT, show_default=True, metavar="SECONDS",
-    help="End each race after SECONDS, for a first try.",
+    help="End each race after SECONDS, for example to try out a driver.",
 )  # fmt: skip
-@click.option("--sandbox", is_flag=True, help="Run the drivers in a sandbox, where they can change no files.")
+@click.option("--sandbox", is_flag=True, help="Run the drivers in a sandbox, where they cannot change any files.")
 @click.option("--view", is_flag=True, help="Show a 3D view.")
 @click.option(
     "--json", "scoreboard", type=click.File("a"), metavar="FILE",
@@ -146,7 +146,7 @@ async def _race_all(
             scoreboard.write(json.dumps(entry.as_dict()) + "\n")
             scoreboard.flush()
         if entry.result.foul == CHANGED and number < len(drivers):
-            raise TutorialError(f"{CHANGED}: restore them, and race the remaining drivers again.")
+            raise TutorialError(f"{CHANGED}: restore them, and then race the remaining drivers.")
 
 
 def race_project(line: Path) -> Project:

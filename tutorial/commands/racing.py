@@ -46,7 +46,7 @@ PRELUDE = (
 """Runs a file as ``python FILE`` does, after ``import tutorial``, which makes rclpy importable."""
 
 NO_START, DRIVER_ENDED = "no start", "driver ended"
-CHANGED = "the line or files of the tutorial have changed"
+CHANGED = "the line or the tutorial's files have changed"
 SLOW = 0.95  # simulated time divided by real time: below this, a driver gets its images late
 SLOWEST = 0.2  # below this, a race ends early
 LOOK = 0.05  # [s] between checks of the driver
@@ -152,7 +152,7 @@ class Driver:
         if self._process.returncode == -signal.SIGKILL:
             return "the driver's program was killed, for instance because its processes used too much memory"
         last = next((line for line in reversed(self._lines) if line.strip()), "")
-        return printable(last.strip()) or f"the driver's program has ended with status {self._process.returncode}"
+        return printable(last.strip()) or f"the driver's program exited with status {self._process.returncode}"
 
     def close(self) -> None:
         """Ask the program to stop, and kill whatever is left of it, including processes that have left its group.
@@ -254,7 +254,7 @@ async def _meet(host: Host, driver: Driver) -> str:
         if driver.ended:
             return driver.how_it_ended()
         if time.monotonic() > deadline:
-            return f"it has not created a publisher on {topic} within {MEET_FOR:g} s"
+            return f"the driver did not create a publisher on {topic} within {MEET_FOR:g} s"
         await asyncio.sleep(LOOK)
     return ""
 
@@ -277,7 +277,7 @@ async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float
     if referee.race.over:
         return "", real_time
     return (
-        driver.how_it_ended() if driver.ended else f"this machine is too slow: stopped after {longest:g} s",
+        driver.how_it_ended() if driver.ended else f"this machine is too slow: the race ended after {longest:g} s",
         real_time,
     )
 

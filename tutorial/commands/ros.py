@@ -17,7 +17,7 @@ from tutorial.system.paths import with_own_commands
 from tutorial.system.printing import print_text
 
 
-@click.group("ros", short_help="Install a real ROS 2 beside this environment, and use it.")
+@click.group("ros", short_help="Install a real ROS 2 alongside this environment, and use it.")
 def ros() -> None:
     """Install a real ROS 2 Jazzy beside this environment, and use it.
 
@@ -33,7 +33,7 @@ def install_command() -> None:
         install(report)
         build_tf2_msgs(place, report)
     print_text(f"The real ROS 2 is in {place}.\n\n{folder.ABOUT.read_text(encoding='utf-8')}")
-    print_text("\nUse it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
+    print_text("\nTo use it, run export TUTORIAL_ROS=rclpy or, in a notebook, use_real_ros().\n")
     if not (folder.site_packages(place) / TF2_MSGS.name).exists():
         print_text(f"\nStep 7 does not run on it: {folder.NO_TF2_MSGS}\n")
 
@@ -48,7 +48,7 @@ def build(package: Path) -> None:
     folder.check()
     with _interruptible() as report:
         name = build_interfaces(package, folder.prefix(), report)
-    print_text(f"{name} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
+    print_text(f"{name} is built. Programs that run with TUTORIAL_ROS=rclpy can import it.\n")
 
 
 @ros.command(short_help="Remove the real ROS 2.")

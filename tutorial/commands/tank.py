@@ -82,8 +82,10 @@ def tank() -> None:
     help="Serve the 3D view on this port; by default, on the first free port from 7000 up.",
 )
 @click.option("--html", type=FILE, help="Save the run as a web page that replays it.")
-@click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
-@click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is named after it.")
+@click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics to a new bag.")
+@click.option(
+    "--robot", metavar="MODEL", help="Use the robot in this MJCF or URDF file; the body is named after the file."
+)
 @click.option(
     "--controller", "own", multiple=True, metavar="FILE[:CLASS]", help="Use the controllers in this Python file."
 )
@@ -106,8 +108,8 @@ def run(
     return INTERRUPTED if asked and duration is not None else 0
 
 
-@tank.command(short_help="Publish a gamepad or a scripted drive on /joy.")
-@click.option("--drive", metavar="FILE", help="Publish this file, or a tutorial drive, such as tour.")
+@tank.command(short_help="Publish a gamepad's input or a scripted drive on /joy.")
+@click.option("--drive", metavar="FILE", help="Publish the drive in this file, or a tutorial drive, such as tour.")
 @duration_option
 @linger_option
 @report_option
@@ -127,7 +129,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
     return INTERRUPTED if stop.is_set() and duration is not None else 0
 
 
-@tank.command(short_help="Run all programs of a launch file.")
+@tank.command(short_help="Run all programs in a launch file.")
 @click.argument("step")
 @duration_option
 @headless_option
@@ -159,7 +161,7 @@ def demo(duration: float | None, headless: bool) -> int:
     return status
 
 
-@tank.command(short_help="Open JupyterLab on the first notebook.")
+@tank.command(short_help="Open the first notebook in JupyterLab.")
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
     """Open JupyterLab on the first notebook. Arguments after -- go to JupyterLab."""

@@ -44,7 +44,7 @@ class Referee(SimpleController):
         x, y, _ = io.body.position
         if math.dist(line[0], (x, y)) > REACH:
             where = f"at {line[0]}, more than {REACH:g} m from the tank"
-            raise TutorialError(f"the line begins {where}. Begin it at the tank, at [{x:.2f}, {y:.2f}].")
+            raise TutorialError(f"the line begins {where}. Make it begin at the tank, at [{x:.2f}, {y:.2f}].")
         self.race = Race(line, self.limit)
         self.names = _geom_names(io.body.model)
         self.floor = set(np.flatnonzero(io.body.model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).tolist())
@@ -63,7 +63,7 @@ class Referee(SimpleController):
         self.race.update(self.io.time - self.start, tuple(self.io.body.position.tolist()), touched, on_rail)
         data = self.io.body.data
         if data.xfrc_applied.any() or data.qfrc_applied.any():
-            self.race.disqualify("something other than its motors moves the tank")
+            self.race.disqualify("the tank is moved by something other than its motors")
         self.checks += 1
         if self.race.over or self.checks % self.checks_per_message == 0:
             self.count_publishers()

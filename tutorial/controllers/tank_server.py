@@ -86,7 +86,7 @@ class TankServer(TankController):
         """Move the tank back to its start, and hold its joints at their positions there."""
         self.io.body.reset()
         self.initialize(self.io)
-        return f"{self.io.body.name} is back at its start"
+        return f"{self.io.body.name} is back at its starting position"
 
     def set_motors(self, on: bool) -> str:  # simulation thread, between two steps
         """Switch the motors on or off."""

@@ -9,7 +9,7 @@ from tutorial.body import SHOWN_GROUPS
 Array = NDArray[np.float64]
 
 _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
-"""MuJoCo's default colour of geoms. A geom with this colour takes its material's colour (``setMaterial`` in
+"""MuJoCo's default colour for geoms. A geom with this colour is drawn in its material's colour (``setMaterial`` in
 ``engine_vis_visualize.c``)."""
 
 

@@ -40,7 +40,7 @@ def turn(axis: ArrayLike, angle: float) -> Matrix:
 
 
 OPTICAL = turn((1.0, 0.0, 0.0), pi)
-"""From MuJoCo's camera frame, z back and y up, to an optical frame, z forward and y down (REP 103)."""
+"""The rotation from MuJoCo's camera frame (z back, y up) to an optical frame (z forward, y down; REP 103)."""
 
 
 def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:

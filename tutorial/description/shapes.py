@@ -10,10 +10,10 @@ from tutorial.description.colour import colour_of, is_seen, takes_material
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift
 
 Shape = tuple[str, dict[str, str], Matrix]
-"""A URDF tag, its attributes, and its pose relative to the geom."""
+"""A shape in a URDF: its tag, its attributes, and its pose relative to the geom."""
 
 MESH_FILES = {".dae", ".obj", ".stl"}
-"""The formats that rviz2 reads."""
+"""The mesh formats that rviz2 reads."""
 
 Geom = mujoco.mjtGeom
 

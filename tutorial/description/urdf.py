@@ -22,10 +22,10 @@ from tutorial.model.couplings import NOT_COMPUTED, Coupling, active_equalities, 
 from tutorial.model.urdf_file import NO_MASS
 
 ROOT = "base_link"
-"""The link of the body's root. The free joint that moves it is not in the description."""
+"""The name of the link that represents the body's root. The free joint that moves it is not in the description."""
 
 WORLD, FIRST = 0, 1
-"""MuJoCo's ids of the world and of the root."""
+"""MuJoCo's ids for the world and the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
 
@@ -250,10 +250,12 @@ class _Writer:
         """
         missing = +(self.left_out + self.moves_otherwise)
         if missing:
-            self.robot.insert(0, Comment(f" Differences from the MuJoCo model are {_counted(missing)} "))
+            self.robot.insert(0, Comment(f" Differences from the MuJoCo model: {_counted(missing)} "))
         if self.moves_otherwise:
             others = _counted(self.moves_otherwise)
-            _log.warning("the robot description of %s does not move as the robot does: %s", self.body.name, others)
+            _log.warning(
+                "the robot description of %s does not reproduce all movements of the robot: %s", self.body.name, others
+            )
 
     def _plain(self, name: str) -> str:
         """Return a name as written in the model's file, without the body's prefix."""

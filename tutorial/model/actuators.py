@@ -61,7 +61,7 @@ def effort_command(model: mujoco.MjModel, joint: int) -> Command:
     if not actuators:
         raise TutorialError(
             f"{_title(model, joint)} has no motor. Give it one in the model; if a tendon moves it, set the "
-            "tendon's actuator, body.actuator(name).ctrl."
+            "control signal of the tendon's actuator, body.actuator(name).ctrl."
         )
     gear = float(model.actuator_gear[actuators[0], 0])
     return Command(int(model.actuator_ctrladr[actuators[0]]), 1 / (gear * _gain(model, actuators[0])))

@@ -11,10 +11,10 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 NOBODY = -1
-"""Represents the leader of a follower that is held at a constant position."""
+"""Stands in for a leader if the follower is held at a constant position."""
 
 NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
-"""Equalities of links and tendons. They also move joints, but no formula gives the position of a single joint."""
+"""Equality constraints on links and tendons. They also move joints, but no formula gives a single joint's position."""
 
 
 class Coupling(NamedTuple):

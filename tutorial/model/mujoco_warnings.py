@@ -8,13 +8,15 @@ from contextlib import contextmanager, suppress
 
 WARN_EVERY = 5.0  # [s] between log lines
 AFTER_WARNING = {
-    " in CTRL at ": "All controls count as 0 until all are valid again.",
+    " in CTRL at ": "All controls are treated as 0 until all of them are valid again.",
     " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
 }
-"""MuJoCo's reaction to a warning, which the warning's text omits."""
+"""MuJoCo's reactions that its warnings do not mention, by a part of the warning's text."""
 
 IN_OTHER_WORDS = {
-    "Attach conflict": "a model's file attaches another file whose options differ. That file's options are not used.",
+    "Attach conflict": (
+        "a model's file attaches another file whose options differ. The attached file's options are not used."
+    ),
 }
 """Replacements for warnings that only MuJoCo's own developers understand, by the beginning of the warning."""
 
@@ -43,7 +45,7 @@ class _MujocoWarns:
 
 
 mujoco_warns = _MujocoWarns()
-"""The handler for MuJoCo's warnings, one for the whole process."""
+"""The handler for MuJoCo's warnings, shared by the whole process."""
 
 
 @contextmanager

@@ -24,7 +24,7 @@ WORDS = {
     "jacobian": ("dense", "sparse", "auto"),
     "solver": ("PGS", "CG", "Newton"),
 }
-"""MJCF's words for the values of MuJoCo's enumerations."""
+"""MJCF's keywords for the values of MuJoCo's enumerations."""
 
 SIZES = (
     *("memory", "njmax", "nconmax", "nstack", "nkey", "nuserdata", "nuser_body", "nuser_jnt", "nuser_geom"),
@@ -67,7 +67,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
         return ""
     return (
         f"The models set different values for options that apply to the whole world: {'; '.join(unused)}. "
-        "Set them to the same values in all models, or in none."
+        "Set each one to the same value in all models, or omit it everywhere."
     )
 
 

@@ -15,7 +15,7 @@ MESH_FILES = (".msh", ".obj", ".stl")
 """The mesh formats that MuJoCo reads."""
 
 NO_MASS = 1e-9  # [kg]
-"""The mass of a link without a mass in the file: MuJoCo requires a mass for each moving link."""
+"""The mass given to a link that has none in the file: MuJoCo requires a mass for each moving link."""
 
 SETTINGS = {
     "discardvisual": "false",
@@ -127,8 +127,8 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
         raise TutorialError(f"the model {str(path)!r} needs the mesh {given!r}. {missing}")
     if found.suffix.lower() not in MESH_FILES:
         raise TutorialError(
-            f"the model {str(path)!r} needs the mesh {given!r}. MuJoCo reads {', '.join(MESH_FILES)}: convert it, for "
-            "instance with Blender, and write its new name into the model."
+            f"the model {str(path)!r} needs the mesh {given!r}. MuJoCo reads {', '.join(MESH_FILES)}: convert the "
+            "mesh, for instance with Blender, and write the new file's name into the model."
         )
     return found
 

@@ -80,5 +80,7 @@ def _start(line: str) -> subprocess.Popen[str]:
     words = shlex.split(line)
     environment = with_own_commands(os.environ)
     if not words or shutil.which(words[0], path=environment["PATH"]) is None:
-        raise TutorialError(f"there is no command {line!r}. Write it as in a terminal: start_command('tank joy').")
+        raise TutorialError(
+            f"there is no command {line!r}. Write the command as in a terminal: start_command('tank joy')."
+        )
     return parent_watch.start_watched(words, environment, HOME)

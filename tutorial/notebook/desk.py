@@ -36,7 +36,7 @@ class LogLines(logging.Handler):
 T = TypeVar("T")
 
 logged = LogLines()
-"""The newest log lines of the library in this process."""
+"""The newest lines that the library has logged in this process."""
 
 _log = logging.getLogger(__name__)
 _open: dict[str, tuple[Any, Callable[[], object]]] = {}

@@ -31,7 +31,7 @@ async def start_fault(number: int, source: str | None = None) -> Command:
     """
     paths = sorted((HOME / "notebooks" / "faults").glob("tank*.py"))
     if number not in range(1, len(paths) + 1):
-        raise TutorialError(f"there is no fault {number}. The faults are 1 to {len(paths)}.")
+        raise TutorialError(f"there is no fault {number}. The faults are numbered 1 to {len(paths)}.")
     program = [str(paths[number - 1])] if source is None else ["-c", source]
     command = keep(NAME, lambda: Command(shlex.join([sys.executable, *program])), Command.close)
     await command.says("started")

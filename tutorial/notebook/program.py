@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 LONG_REST = 0.05  # [s] between batches of steps while no page is open, to save CPU time
 REST_AFTER = 300.0  # [s] without an open page before a running simulation is paused
-RESTS = "paused at %.1f s, after %d min without an open page: start() resumes it"
+RESTS = "paused at %.1f s, after %d min without an open page: call start() to resume"
 LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, such as while the user thinks
 
 
@@ -75,7 +75,7 @@ class Program:
             TutorialError: the program only displays.
         """
         if self.host.simulation is None:
-            raise TutorialError("this program only displays: its project has no 'simulator'.")
+            raise TutorialError("this program does not simulate: its project has no 'simulator'.")
         return self.host.simulation
 
     @property

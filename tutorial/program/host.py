@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from tutorial.view.bodies import View
 
 CLOSED = "this program is closed. Open it again."
-NO_SIMULATION = "this program has no simulation, or not yet. For a simulation, the project needs a 'simulator'."
+NO_SIMULATION = (
+    "this program has no simulation, or has not created it yet. For a simulation, the project needs a 'simulator'."
+)
 
 _log = logging.getLogger(__name__)
 

@@ -112,8 +112,8 @@ class JointWatch:
         missing = set(self._body.joint_names).difference(report.joints, self._body.followers)
         if missing and (kinds := not_computed(self._body.model)):
             _log.warning(
-                "%s: its model couples links by <%s>, which the view does not compute. "
-                "Joints that no message names keep their positions: %s",
+                "%s: its model couples links with <%s>, which the view does not compute. "
+                "Joints that are not named in any message keep their positions: %s",
                 *(self._body.name, ">, <".join(kinds), _some(sorted(map(repr, missing)))),
             )
 
@@ -123,13 +123,13 @@ class JointWatch:
         if now - self._asked_at < COMPLAIN_EVERY:
             return
         self._asked_at = now
-        before, self._publishers = self._publishers, "another publisher is not followed"
+        before, self._publishers = self._publishers, "another publisher is ignored"
         for topic in (meter.topic for meter in self.meters):
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
                 self._publishers = (
-                    f"{len(nodes)} nodes publish on {topic}, only one is followed: {printable(_some(names))}"
+                    f"{len(nodes)} nodes publish on {topic}; only one of these is followed: {printable(_some(names))}"
                 )
                 if self._publishers != before:
                     _log.warning("%s: %s", self._body.name, self._publishers)

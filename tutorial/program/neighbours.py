@@ -8,12 +8,12 @@ from tutorial.ros.node_thread import NodeThread
 
 CHECK_EVERY = 1.0  # [s]
 SAME_NAME = (
-    "there are %d nodes named %s, so they cannot be distinguished. Give one node a different name, "
-    "--ros-args -r __node:=%s_2, or its own ROS_DOMAIN_ID"
+    "there are %d nodes named %s, so they cannot be distinguished. Give one node a different name "
+    "with --ros-args -r __node:=%s_2, or its own ROS_DOMAIN_ID"
 )
 SAME_CLOCK = (
     "there are %d publishers on /clock, so simulated time jumps for every node that uses it. Let only one program "
-    "publish it: remove 'clock: true' from the other program's project, or give that program its own ROS_DOMAIN_ID"
+    "publish /clock: remove 'clock: true' from the other program's project, or give that program its own ROS_DOMAIN_ID"
 )
 
 _log = logging.getLogger(__name__)

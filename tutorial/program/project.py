@@ -172,7 +172,7 @@ class Project:
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
         for name in classes.keys() - known - bases:
-            why = "Your class replaces the controller with the same name."
+            why = "A class replaces the controller that has the same name."
             raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {why}")
         return self._with(
             lambda item: replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
@@ -237,7 +237,7 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Co
 def _unfit(name: str) -> str:
     """Return why a body cannot have this name; empty if it can."""
     if not (name.isascii() and name.isidentifier() and name[0] != "_"):
-        return f"{name!r} cannot be part of a topic. Use letters, digits and _, starting with a letter."
+        return f"{name!r} cannot be part of a topic name. Use letters, digits and _, starting with a letter."
     return ""
 
 

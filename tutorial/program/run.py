@@ -34,7 +34,7 @@ class SimulatedRun:
         self._still = self._still + 1 if self.simulation.step == self._step else 0
         self._step = self.simulation.step
         if self.has_duration and self._still > HUNG / FRAME:
-            _log.warning("the simulation has not advanced for %g s, so it is stopped", HUNG)
+            _log.warning("the simulation has not advanced for %g s, so it is being stopped", HUNG)
             self.simulation.stop()
         return not self.simulation.running
 

@@ -55,7 +55,7 @@ def real_ros_needed(what: str) -> TutorialError:
         what: the subject of the sentence, such as ``"TankServer"``.
     """
     get = "" if folder.state() == "installed" else f" {folder.how_to_get_it()}"
-    use = f"Use it with export {VARIABLE}=rclpy, or in a notebook with use_real_ros()."
+    use = f"To use it, run export {VARIABLE}=rclpy or, in a notebook, use_real_ros()."
     return TutorialError(f"{what} needs a real ROS 2, because the pocket one has only topics.{get} {use}")
 
 
@@ -123,7 +123,7 @@ def _choose(wanted: str) -> Backend:
     if wanted == "rclpy" and not pocket_ros2.uninstall():
         raise TutorialError(
             "the pocket ROS 2 is already in use. Choose the real one before importing anything from ROS 2: "
-            "in a notebook, restart the kernel, and run the cell with use_real_ros() first."
+            "in a notebook, restart the kernel, and run the cell that calls use_real_ros() first."
         )
     if sourced is None:
         folder.activate()

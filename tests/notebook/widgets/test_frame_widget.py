@@ -80,5 +80,5 @@ async def test_senseless_messages_are_ignored(sent):
 
 
 def test_without_an_event_loop_it_is_refused():
-    with pytest.raises(TutorialError, match=r"none is running here\. Create it in a cell"):
+    with pytest.raises(TutorialError, match=r"none is running here\. Create the widget in a cell"):
         Numbers("numbers")

@@ -57,7 +57,7 @@ def test_only_the_newest_messages_are_drawn():
 def test_superseded_calls_are_crossed_out():
     superseded = [message(20 * i, superseded=20 * (i + 1) + 0.1) for i in range(99)]
     root, texts, alt = drawn(*superseded, message(1980, 2010), count=100)
-    assert "superseded by a newer one (99)" in texts
+    assert "superseded by a newer call (99)" in texts
     assert texts.count("✕") == 99 + 1, "one of them in the legend"
     assert number_of(root, "polyline", "stroke:#1e88e5") == 1
     assert ": 1 applied, 99 superseded." in alt
@@ -74,7 +74,7 @@ def test_unapplied_and_unposted_messages_are_shown():
 
 
 def test_zero_and_missing_durations():
-    assert drawn()[2] == "no message received or posted yet"
+    assert drawn()[2] == "no messages have been received or posted yet"
     assert repr(swimlane(SimpleNamespace(trace=HandoffTrace()))) == "Picture('handoffs')"
     moment = Moment(100.0, "MainThread")
     assert drawn(Handoff(posted=moment, applied=moment))[2].endswith("1 applied. They waited 0 ms.")

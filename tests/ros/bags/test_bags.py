@@ -166,7 +166,7 @@ def test_after_the_longest_duration_a_new_file_begins(tmp_path, storage):
 
 def test_nothing_is_overwritten(tmp_path):
     (tmp_path / "bag").mkdir()
-    with pytest.raises(TutorialError, match="recording overwrites nothing"):
+    with pytest.raises(TutorialError, match="a recording never overwrites files"):
         BagWriter(tmp_path / "bag")
     assert list((tmp_path / "bag").iterdir()) == []
     with pytest.raises(TutorialError, match="is not UTF-8"):

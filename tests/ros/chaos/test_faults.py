@@ -138,8 +138,8 @@ def test_a_fault_is_written_with_its_share():
     [
         ("shufle", "there is no fault 'shufle'. Did you mean 'shuffle'?"),
         ("\x1b[2J:1", r"there is no fault '\\x1b[2J'."),
-        ("nan:2", "'nan' cannot affect a share of 2 of the messages: give a number from 0 to 1."),
-        ("nan:", "a share of nan"),
+        ("nan:2", "the share of messages that 'nan' affects cannot be 2: give a number from 0 to 1."),
+        ("nan:", "cannot be nan"),
     ],
 )
 def test_an_invalid_fault_is_refused(text, said):

@@ -154,7 +154,7 @@ KEPT = replace(apart({"transient_local": True}, {"transient_local": True}), rece
     [
         (WELL, "50.0 messages a second arrive."),
         (replace(WELL, received=1, rate=0.0), "1 message arrived in 4.0 s."),
-        (KEPT, "the publisher keeps 2 messages for late subscriptions, and published nothing new."),
+        (KEPT, "the publisher keeps 2 messages for late subscriptions, but has published nothing new."),
     ],
 )
 def test_all_is_well(facts, said):

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 
 CHECKS = "tutorial.checks."
 MAGIC = re.compile(r"^([^\S\n]*)(?:[%!?].*|.*\?)$", re.MULTILINE)
-"""A line in IPython's own syntax."""
+"""Matches a line in IPython's own syntax."""
 WRITES_DRIVER = re.compile(r"\s*%%(?:writefile|file)[^\S\n]+['\"]?my_driver\.py['\"]?[^\S\n]*\n(.*)", re.DOTALL)
-"""A cell that writes the driver for the race."""
+"""Matches a cell that writes the driver for the race."""
 _BINDING = (
     *(ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign),
     *(ast.AugAssign, ast.If, ast.Try),

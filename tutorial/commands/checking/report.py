@@ -22,7 +22,7 @@ STYLES = {
     Outcome.SCORED: "green",
 }
 
-NO_SANDBOX = "There was no sandbox: the answers could read, change and send everything that you have access to."
+NO_SANDBOX = "The answers ran without a sandbox: they could read, change and send everything that you have access to."
 
 
 def table(results: Results) -> Table:

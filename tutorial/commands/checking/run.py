@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from tutorial.commands.racing import Options
 
 Done = dict[Path, dict[str, Judged]]
-"""The verdicts by notebook and exercise. The driver's is under ``race``."""
+"""The verdicts by notebook and exercise. The driver's verdict is under the key ``race``."""
 
 RACE = "race"
 NOT_RACED = "The driver has not raced."

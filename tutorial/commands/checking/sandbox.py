@@ -35,8 +35,8 @@ SECCOMP = "libseccomp.so.2"
 REFUSED = b"add_key request_key keyctl memfd_create shmget chmod fchmod fchmodat fchmodat2".split()
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # from seccomp.h
 NO_SANDBOX = (
-    "an answer is a stranger's program, and it cannot run in a sandbox here: {}. On Debian and Ubuntu, sudo apt-get "
-    "install bubblewrap libseccomp2 installs one. If you trust the answers or use a virtual machine, {}."
+    "other people's programs cannot run in a sandbox here: {}. On Debian and Ubuntu, sudo apt-get install bubblewrap "
+    "libseccomp2 installs what is missing. If you trust the programs or use a virtual machine, {}."
 )
 
 

@@ -23,10 +23,12 @@ LARGEST = 50 << 20  # maximum size of a notebook in bytes
 OUTLAST = 4  # the CPU time limit as a multiple of the time limit: an answer can use several threads
 MEMORY = 8 << 30  # [bytes] limit for the total address space of an answer's processes, including shared memory
 LOOK = 0.1  # [s] between checks of the memory
-UNREAD = "it could not be read: the reading process crashed or took too long"
+UNREAD = "it could not be read: the process that reads it crashed or took too long"
 ENDLESS = "The answer did not finish within {limit:g} s."
-DISTURBED = "The answer disturbed the process that judged it."
-BROKEN = "The answer ended the process that judged it, or its processes together used more than 8 GB of memory."
+DISTURBED = "The answer interfered with the process that judged it."
+BROKEN = (
+    "The answer stopped the process that judged it, or the answer's processes used more than 8 GB of memory in total."
+)
 KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),

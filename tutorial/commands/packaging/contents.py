@@ -18,11 +18,11 @@ TEMPLATES = Path(__file__).parent / "template"
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
 """An email address, as accepted by catkin_pkg, colcon's parser for package.xml."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
-"""An import statement, and the imported top-level module."""
+"""Matches an import statement; the group is the imported top-level module."""
 DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
 """rosdep's keys for modules whose package has a different name. Message modules are named after their packages."""
 NOBODY = ("Your Name", "you@example.com")
-"""The placeholder for a maintainer, which the learner has to replace."""
+"""The name and email address of a placeholder maintainer; the learner has to replace both."""
 
 
 def make_package(
@@ -108,8 +108,8 @@ def find_maintainer() -> tuple[str, str]:
 
 
 _EXAMPLES = {
-    "listener": "A node that listens to the tank's joint states, and logs the positions once a second.",
-    "server": "A node that listens to the tank's joint states, and offers a service that returns the positions.",
+    "listener": "A node that listens to the tank's joint states and logs the positions once a second.",
+    "server": "A node that listens to the tank's joint states and offers a service that returns the positions.",
 }
 """The descriptions of the examples, by module."""
 
@@ -139,7 +139,7 @@ def _controller(file: Path, only: str | None) -> dict[str, str]:
         "node": "viewer" if project.time_step is None else "simulation",
         "controller": name,
         "project": project.path.stem,
-        "description": "A controller for the tank of the tank tutorial.",
+        "description": "A controller for the tank in the tank tutorial.",
     }
 
 
@@ -159,8 +159,8 @@ def _project_for(name: str) -> Project:
         if name in names:
             return project
         known |= names
-    fix = "Your class replaces the controller with the same name, so give it that name."
-    raise TutorialError(f"no step has a controller {name!r}.{did_you_mean(name, known)} {fix}")
+    fix = "Give your class the name of the controller that it should replace."
+    raise TutorialError(f"no step has a controller named {name!r}.{did_you_mean(name, known)} {fix}")
 
 
 def _ask_git(setting: str) -> str:

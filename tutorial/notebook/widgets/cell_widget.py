@@ -25,7 +25,10 @@ def kernel_loop() -> asyncio.AbstractEventLoop:
     try:
         return asyncio.get_running_loop()
     except RuntimeError:
-        text = "a widget needs the event loop of the notebook's kernel, but none is running here. Create it in a cell."
+        text = (
+            "a widget needs the event loop of the notebook's kernel, but none is running here. "
+            "Create the widget in a cell."
+        )
         raise TutorialError(text) from None
 
 

@@ -17,7 +17,7 @@ from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
 
 Frame = tuple[bytes, dict[str, Any]]
-"""The binary content of a frame, and its other fields, as JSON."""
+"""The binary content of a frame, and the frame's other fields, which are sent as JSON."""
 
 
 class _Words(msgspec.Struct):

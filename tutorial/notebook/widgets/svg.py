@@ -13,7 +13,7 @@ LINE = "#80868b"  # visible on white and on black
 ACCENT = "#1e88e5"
 WARN = "#e8710a"
 SERIES = ("#1e88e5", "#e8710a", "#2e9e5b", "#a05fd0", "#d9466f", "#1a9aa8", "#a9744f", "#8a8f2a")
-"""Colours of curves: readable on white and on black."""
+"""Colours for curves: easy to see on both white and black."""
 
 UI_FONT = "var(--jp-ui-font-family, system-ui, sans-serif)"
 CODE_FONT = "var(--jp-code-font-family, ui-monospace, monospace)"

@@ -25,7 +25,7 @@ def swimlane(program: Program, count: int = 8) -> Picture:
     """
     handoffs = program.trace.handoffs()[-count:]
     if not handoffs:
-        text = "no message received or posted yet"
+        text = "no messages have been received or posted yet"
         return Picture(svg.notice(WIDTH, 80, text), text, "handoffs")
     lanes = _Lanes(handoffs)
     root = svg.new_picture(WIDTH, lanes.foot + 40)
@@ -115,7 +115,7 @@ def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str
     entries = [
         ("○", svg.INK, "received", received),
         ("●", svg.ACCENT, f"applied after {waited}", counts["applied"]),
-        ("✕", svg.WARN, "superseded by a newer one", counts["superseded"]),
+        ("✕", svg.WARN, "superseded by a newer call", counts["superseded"]),
         ("┈", svg.WARN, "not applied yet", counts["waiting"]),
     ]
     legend = svg.write(root, 14, 22, "")

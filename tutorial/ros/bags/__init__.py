@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 __all__ = ["Bag", "BagTopic", "Player", "Recorder", "bag_info"]
 
 WITH_RCLPY = {"Player": "player", "Recorder": "recorder"}
-"""The modules of the classes that need rclpy. Reading a bag does not need it."""
+"""The modules of the classes that need rclpy. Reading a bag does not need rclpy."""
 
 
 def __getattr__(name: str) -> Any:

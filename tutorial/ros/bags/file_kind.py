@@ -7,7 +7,7 @@ from tutorial.errors import printable
 
 HEAD = 512  # number of bytes to read, enough for every kind
 SUFFIXES = {b"\x89MCAP0\r\n": ".mcap", b"SQLite format 3\0": ".db3"}
-"""First bytes of each kind of bag file, and the usual suffix of its name."""
+"""The first bytes of each kind of bag file, and the usual suffix of the file's name."""
 
 ROS_1 = "it is a ROS 1 bag. Convert it to ROS 2: rosbags-convert --src {name} --dst {stem}"
 FOREIGN = {
@@ -25,7 +25,7 @@ FOREIGN = {
     b"PK\x03\x04": "it is a zip archive. Unpack it first",
     b"7z\xbc\xaf\x27\x1c": "it is a 7z archive. Unpack it first",
 }
-"""First bytes of other files, what they are, and what to do."""
+"""The first bytes of other kinds of files, what the file is, and what to do with it."""
 
 UNKNOWN = "it is neither an MCAP file nor an SQLite file"
 TAR_AT, TAR = 257, b"ustar"

@@ -63,10 +63,11 @@ class Player:
         clock: float = 0.0,
     ) -> None:
         if not (math.isfinite(rate) and rate > 0):
-            raise TutorialError(f"the rate is {rate:g}; give a rate above 0, such as 2 for twice as fast.")
+            raise TutorialError(f"the rate is {rate:g}; give a rate above 0, such as 2 to play twice as fast.")
         if not 0 <= start_offset <= bag.duration:
             raise TutorialError(
-                f"the start offset is {start_offset:g} s, but the bag is {bag.duration:.3f} s long. Start within it."
+                f"the start offset is {start_offset:g} s, but the bag is {bag.duration:.3f} s long. "
+                "Give an offset within the bag."
             )
         self.played = 0
         self._node = node

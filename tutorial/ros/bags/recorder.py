@@ -125,8 +125,8 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be completed: {self.error.strerror}. Its content can be read, "
-                f"but {self.lost:,} messages, and up to a second of earlier ones, are lost. Free some space, or record "
-                "to a different disk."
+                f"but {self.lost:,} messages, and those from up to a second before them, are lost. Free some space, or "
+                "record to a different disk."
             ) from self.error
 
     def _settle(self) -> None:
@@ -206,7 +206,7 @@ class Recorder:
                 self._waiting.append((topic, time_ns, info["source_timestamp"], payload))
             else:
                 if not self.lost:
-                    _log.warning("messages are lost: the disk is too slow or full")
+                    _log.warning("messages are being lost: the disk is too slow or full")
                 self.lost += 1
 
     def _write(self) -> None:

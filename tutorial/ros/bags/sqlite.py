@@ -13,7 +13,7 @@ from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage
 
 COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
-"""The columns that are read for each topic, with a default for columns that an older ros2 bag did not write."""
+"""The columns that are read for each topic, with a default for columns that older versions of ros2 bag don't write."""
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
 MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # + disables the index
 UNFINISHED = {

@@ -60,7 +60,7 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.add_constructor("tag:yaml.org,2002:int", lambda _loader, node: int(node.value))
-"""Integers in a bag are decimal.
+"""Integers in a bag's YAML are decimal.
 
 In other bases, Python would accept a number of any length, and might then be unable to print it.
 """

@@ -50,7 +50,7 @@ class BagWriter:
             raise TutorialError(f"the bag's name, {str(path)!r}, is not UTF-8. Choose a different name.") from None
         except FileExistsError:
             raise TutorialError(
-                f"{str(path)!r} already exists, and recording overwrites nothing. Choose a different name."
+                f"{str(path)!r} already exists, and a recording never overwrites files. Choose a different name."
             ) from None
         except OSError as error:
             raise TutorialError(f"the bag {str(path)!r} cannot be written: {error.strerror}.") from error

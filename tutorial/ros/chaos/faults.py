@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 from tutorial.errors import TutorialError, did_you_mean, printable
 
 Change = Callable[[Random, Any], None]
-"""Function that applies a fault to a message, with the fault's own random numbers."""
+"""A function that applies a fault to a message, using the fault's own random numbers."""
 
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
@@ -54,7 +54,7 @@ FAULTS = {
     "burst": f"the message is sent {BURST} times in a row",
     "second": "a second publisher reports all joints at 0",
 }
-"""Descriptions of the faults by name, in the order of application."""
+"""Descriptions of the faults by name, in the order in which they are applied."""
 
 
 class Action(NamedTuple):
@@ -153,7 +153,9 @@ def parse_fault(text: str) -> tuple[str, float]:
     if name not in FAULTS:
         raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
     if not 0 <= share <= 1:
-        raise TutorialError(f"{name!r} cannot affect a share of {share:g} of the messages: give a number from 0 to 1.")
+        raise TutorialError(
+            f"the share of messages that {name!r} affects cannot be {share:g}: give a number from 0 to 1."
+        )
     return name, share
 
 

@@ -60,7 +60,7 @@ class ChaosStream:
         subscription = node.create_subscription(JointState, good, self._send, DEPTH)
         if subscription.topic_name == self._publishers["publish"].topic_name:
             raise TutorialError(
-                f"the good stream and the faults are both on {subscription.topic_name!r}. Start the good stream's "
+                f"the good and the faulty stream are both on {subscription.topic_name!r}. Start the good stream's "
                 f"publisher with --ros-args -r {TOPIC}:=/good, and read its messages with --from /good."
             )
 

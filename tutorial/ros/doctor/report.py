@@ -57,7 +57,7 @@ def _all_is_well(facts: Facts) -> str:
     if not facts.kept:
         return f"No message arrived in {facts.seconds:.1f} s, but nothing seems to be wrong."
     kept = f"{facts.kept} message{'s' * (facts.kept != 1)}"
-    return f"All is well: the publisher keeps {kept} for late subscriptions, and published nothing new."
+    return f"All is well: the publisher keeps {kept} for late subscriptions, but has published nothing new."
 
 
 def _cause_text(number: int, cause: Cause) -> str:
