@@ -277,7 +277,7 @@ def stuck(monkeypatch):
     until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
 
 
-SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Fix it, then open its program again"
+SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Fix the code, then open the program"
 
 
 CALLS = {"advance": (0.01,), "start": (), "release": ("Tank",)}

@@ -146,7 +146,7 @@ class Simulation:
             TutorialError: the simulation is running, or a different thread stopped it early.
         """
         if seconds < 0:
-            raise TutorialError(f"advance({seconds}): time cannot run backwards. Give seconds >= 0.")
+            raise TutorialError(f"advance({seconds}): time cannot run backwards. Pass seconds >= 0.")
         run = Run(threading.current_thread())
         error = None
         try:  # before the run begins, so that a Ctrl-C at any moment ends the run
@@ -216,7 +216,7 @@ class Simulation:
         """Let only one caller at a time start, stop or change it. Reject a controller: it would wait for itself."""
         if self._step_run.is_mine() or self._stop_run.is_mine():
             raise TutorialError(
-                f"{caller} was called by a controller, and would wait for it forever. Call it elsewhere."
+                f"{caller} was called by a controller, and would wait forever for that controller. Call it elsewhere."
             )
         if not self._turn_lock.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers at most twice
             raise TutorialError(f"{caller}: another thread is still stopping this simulation. Try again later.")
@@ -268,7 +268,7 @@ class Simulation:
                 return
             name, file = stuck.at_work()
             problem = f"{name}{' or a request' * (stuck.controller is None)} does not return{where(stuck.thread, file)}"
-            text = f"{problem}. Fix it, then open its program again: this simulation cannot continue."
+            text = f"{problem}. Fix the code, then open the program again: this simulation cannot continue."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             self.world.requests.close(text)
             stuck.abandon()

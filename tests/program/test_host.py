@@ -279,7 +279,7 @@ async def test_a_hanging_controller_does_not_block_remove_or_close(hanging):
         with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
             host.remove("Tank")
         assert list(host.bodies) == ["Labo"], "the displayed body is removed anyway"
-        with pytest.raises(ControllerError, match="Fix it, then open its program again: this simulation cannot"):
+        with pytest.raises(ControllerError, match="Fix the code, then open the program again: this simulation cannot"):
             await run
         host.remove("Labo")
         assert host.bodies == {}

@@ -88,7 +88,7 @@ def test_every_entry_point_reports_it(rclpy, code):
             "use_real_ros(); from tf2_msgs.msg import TFMessage",
             "Type tank ros install again after installing g++ and Python.h",
         ),
-        ("use_real_ros(); import tf2_ros", "RoboStack and Ubuntu's packages have all of ROS 2"),
+        ("use_real_ros(); import tf2_ros", "RoboStack and Ubuntu have packages for all of ROS 2"),
         ("os.environ['TUTORIAL_ROS'] = 'x'; promise(); use_real_ros(); import rclpy; print('found')", "found"),
     ],
 )

@@ -12,7 +12,7 @@ from tutorial.ros.domains import FIRST_PORT, FIRST_UNICAST, PORTS, reserved_doma
 def test_a_domain_is_exclusive_until_it_is_released(monkeypatch):
     with reserved_domain() as mine:
         monkeypatch.setattr(domains, "DOMAINS", [mine])
-        with pytest.raises(TutorialError, match="all 1 ROS domains of this machine are taken: shut down kernels"):
+        with pytest.raises(TutorialError, match="all 1 ROS domains on this machine are taken: shut down kernels"):
             reserved_domain().__enter__()
     with reserved_domain() as again:
         assert again == mine

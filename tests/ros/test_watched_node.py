@@ -52,7 +52,7 @@ class Relay:
 
 
 CALL = "call waits in call() for the response of /second"
-OCCUPIED = "Nobody can receive it: {} occupies the client's callback group until it returns."
+OCCUPIED = "Nobody can receive the response: {} occupies the client's callback group until it returns."
 ALONE = f"{CALL}, on the thread 'executor'. Only this thread can receive the response."
 
 

@@ -9,12 +9,12 @@ from contextlib import contextmanager
 from tutorial.errors import TutorialError
 
 FIRST_PORT, PORTS = 7400, 250
-"""The first UDP port of domain 0, and the number of ports of each domain."""
+"""The first UDP port of domain 0, and the number of ports per domain."""
 FIRST_UNICAST = 10  # offset from a domain's first port; from there, every second port belongs to a participant
 DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
 """Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID").
 
-IDs up to 10 are reserved for people, who choose them by hand, and for the doctor, which searches them.
+The list omits the IDs up to 10: people choose them by hand, and the doctor searches those domains.
 """
 
 
@@ -47,5 +47,5 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
             participant.close()
             yield number
             return
-    taken = f"all {len(DOMAINS)} ROS domains of this machine are taken"
+    taken = f"all {len(DOMAINS)} ROS domains on this machine are taken"
     raise TutorialError(f"{taken}: shut down kernels that you no longer use, or set ROS_DOMAIN_ID")

@@ -7,7 +7,7 @@ from keyword import iskeyword
 from tutorial.errors import TutorialError
 
 VALID = re.compile(r"[a-z](_?[a-z0-9])+")
-"""Package names that ROS 2 accepts: REP 144."""
+"""Package names that ROS 2 accepts (see REP 144)."""
 
 
 def check_package_name(name: str) -> None:
@@ -21,7 +21,9 @@ def check_package_name(name: str) -> None:
         raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
     if iskeyword(name) or find_spec(name) is not None:
         advice = f"Choose a different name, such as {f'my_{name}'!r}."
-        raise TutorialError(f"Python already has a module or keyword {name!r}: one would hide the other. {advice}")
+        raise TutorialError(
+            f"Python already has a module or keyword {name!r}, and a package cannot share its name. {advice}"
+        )
 
 
 def _nearest(name: str) -> str:

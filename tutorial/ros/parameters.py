@@ -27,13 +27,13 @@ NAMES = (
     *("not set", "boolean", "integer", "double", "string"),
     *("byte array", "boolean array", "integer array", "double array", "string array"),
 )
-"""The names of the types, indexed by their numbers in rcl_interfaces/msg/ParameterType."""
+"""The names of the parameter types, indexed by their numbers in rcl_interfaces/msg/ParameterType."""
 
 LABELS = (
     *("Parameter not set.", "Boolean value is:", "Integer value is:", "Double value is:", "String value is:"),
     *("Byte values are:", "Boolean values are:", "Integer values are:", "Double values are:", "String values are:"),
 )
-"""The words before a value, indexed by the number of its type."""
+"""The words printed before a value, indexed by the number of the value's type."""
 
 
 async def param_list(node: Node, target: str | None = None) -> str:

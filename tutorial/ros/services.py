@@ -135,7 +135,7 @@ async def response_to(made: Any, request: Any, timeout: float = inf) -> Any:
     """
     future = made.call_async(request)
     if not await _until(future.done, timeout):
-        raise TutorialError(f"The service '{escape_name(made.srv_name)}' has not responded within {timeout:g} s")
+        raise TutorialError(f"The service '{escape_name(made.srv_name)}' did not respond within {timeout:g} s")
     return future.result()
 
 

@@ -108,7 +108,8 @@ class WatchedNode(MeteredNode):
             return f"{waits}, on the thread {wait.thread!r}. Only this thread can receive the response."
         if group is wait.group and not group.can_execute(wait.client):
             return (
-                f"{waits}. Nobody can receive it: {wait.label} occupies the client's callback group until it returns."
+                f"{waits}. Nobody can receive the response: {wait.label} occupies the client's callback group until it "
+                "returns."
             )
         return ""
 

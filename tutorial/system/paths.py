@@ -19,13 +19,13 @@ COURSE = ("launch_py", "notebooks", "project")
 ROOT = 0  # the user
 
 OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
-"""Suffixes of models other than .xml. Reading a xacro file raises an error that says how to convert it."""
+"""Suffixes of model files, other than .xml. Reading a xacro file raises an error that explains how to convert it."""
 
 PACKAGE = Path(__file__).resolve().parents[1]
-"""The folder of the package ``tutorial``. The folder above it is on Python's path."""
+"""The folder of the package ``tutorial``. Its parent folder is on Python's path."""
 
 SHIPPED = PACKAGE / "_files"
-"""The course folder in an installed package. A checkout does not have it."""
+"""The course folder in an installed package. A checkout does not have this folder."""
 
 
 def is_file(path: Path) -> bool:
@@ -63,7 +63,7 @@ def is_ours(folder: Path) -> bool:
 
 
 HOME = find_home(Path.cwd())
-"""The course folder of this process."""
+"""The course folder that this process uses."""
 
 
 def find_project(given: str) -> Path:

@@ -6,10 +6,10 @@ from importlib.metadata import distribution
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
-"""The folder of the tutorial's own files."""
+"""The folder with the tutorial's own scripts, styles and pages."""
 
 VIEW = ("make.js", "camera.js", "scene.js", "viewer.js")
-"""The parts of the script that every view has: in a cell, on a page, in a replay and on the book's page `drive`."""
+"""The parts of the script that all views use: in a cell, on a page, in a replay and on the book's page `drive`."""
 
 
 def meshcats_viewer() -> Path:

@@ -29,7 +29,7 @@ GRID = 10.0
 """Half the side length of meshcat's grid [m]."""
 
 AXES = 0.3
-"""The length of a frame's axes, as a fraction of the robot's extent, and the length of `odom`'s axes [m]."""
+"""The length of a frame's axes, as a fraction of the robot's extent, and also the length of `odom`'s axes [m]."""
 
 FLOOR = int(mujoco.mjtGeom.mjGEOM_PLANE)
 

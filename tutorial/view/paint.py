@@ -7,7 +7,7 @@ import mujoco
 from tutorial.description.colour import colour_of
 
 STALE = [0.72, 0.73, 0.75]
-"""Red, green and blue, each 0 to 1: a grey that no model of the tutorial uses."""
+"""Red, green and blue, each from 0 to 1: a grey that no model in the tutorial uses."""
 
 
 class Paint:

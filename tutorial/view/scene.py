@@ -27,14 +27,17 @@ LINE_LENGTH = 200
 Sink = Callable[[bytes], None]
 Vector = tuple[float, float, float]
 Key = tuple[str, str, str]
-"""Identifies the part that a record changes: kind, path and property. A later record with the same key replaces it."""
+"""Identifies the part that a record changes: kind, path and property.
+
+A record replaces any earlier one with the same key.
+"""
 
 LINE: Key = ("line", "", "")
 CAMERA: Key = ("camera", "", "")
 _HEAD = struct.Struct("<IB")
 _CAMERA = struct.Struct("<6d")
 _FLOAT32 = 0x17
-"""meshcat's MessagePack extension for a Float32Array (``meshcat/geometry.py``, ``threejs_type``)."""
+"""The MessagePack extension type that meshcat uses for a Float32Array (``meshcat/geometry.py``, ``threejs_type``)."""
 
 
 class Record(IntEnum):
@@ -45,7 +48,7 @@ class Record(IntEnum):
     LINE = 1
     """The line below the view, in UTF-8."""
     CLEAR = 2
-    """Empty, and always the first record. The whole scene follows."""
+    """A record without content, always the first in its message. The records of the whole scene follow."""
     CAMERA = 3
     """The camera's position and target [m]: six doubles, little-endian."""
 

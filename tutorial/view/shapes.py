@@ -23,7 +23,7 @@ ENDLESS = 20.0
 """The length and width [m] of a plane that is infinite in MuJoCo (size 0)."""
 
 FRONT, BOTH = 0, 2
-"""three.js's constants for which sides of a surface to draw."""
+"""three.js's constants that select which sides of a surface are drawn."""
 
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 
@@ -44,7 +44,7 @@ ON_TOP = {"depthTest": False, "transparent": True}
 """Settings of a material that is drawn on top of everything."""
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-"""In three.js the axis of a cylinder is y, in MuJoCo it is z."""
+"""The axis of a cylinder is y in three.js, but z in MuJoCo."""
 
 
 def is_drawn(model: mujoco.MjModel, geom: int) -> bool:

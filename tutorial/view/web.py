@@ -30,14 +30,14 @@ POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
     "worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'"
 )
-"""Makes the browser load everything from the page's own origin."""
+"""Makes the browser load files only from the page's own origin."""
 
 BACKLOG = 1 << 18
-"""The size of the socket's send buffer [bytes]. A browser that is further behind skips frames."""
+"""The size of the socket's send buffer [bytes]. A browser that lags further behind than this skips frames."""
 
 OWN_HOSTS = r"127\.0\.0\.1|localhost"
 """The host names that this server answers to. A foreign page whose own name resolves to this machine (DNS rebinding)
-gets "not found". A foreign page that uses the right name has a different origin, so its WebSocket is refused."""
+gets "not found". A foreign page that uses the right name has a different origin, so it cannot open a WebSocket."""
 
 LARGEST_BODY = 1024
 """The size limit of a request's body [bytes]; no request needs a body."""
@@ -99,7 +99,7 @@ def _listen(ports: Sequence[int]) -> socket.socket:
             reason = os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
     raise TutorialError(
-        f"the 3D view cannot use {which}: {reason}. Specify a free port, or omit the port to have one chosen."
+        f"the 3D view cannot use {which}: {reason}. Specify a free port, or omit the port to use the first free one."
     )
 
 

@@ -21,7 +21,7 @@ def test_without_a_free_domain_no_answer_is_blamed(monkeypatch):
     (answer,) = find_answers(cells, {"aim": "HeldJoint"})
     judged = _judge(aim, answer)
     assert judged.outcome is Outcome.NOT_JUDGED
-    assert judged.cause.startswith("all 0 ROS domains of this machine are taken: ")
+    assert judged.cause.startswith("all 0 ROS domains on this machine are taken: ")
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_an_unknown_peer_is_named(peer, domain, monkeypatch):
     monkeypatch.setenv(PEERS, f"127.0.0.1;{peer}")
     with pytest.raises(RuntimeError) as raised:
         _cyclone.join(domain)
-    said = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which cannot be found"
+    said = f"failed to initialize rcl: ROS_STATIC_PEERS contains {peer!r}, which cannot be found"
     assert str(raised.value).startswith(said)
     assert "separated by semicolons" in str(raised.value)
 
@@ -80,5 +80,5 @@ def test_too_many_processes_are_reported(domain, monkeypatch):
         for port in range(7410, 7414):  # the ports of two processes
             taken = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
             taken.bind(("", port + 250 * domain))
-        with pytest.raises(RuntimeError, match=r"too many ROS 2 programs .* machine \(1 is the limit here\)"):
+        with pytest.raises(RuntimeError, match=r"too many ROS 2 programs .* machine \(the limit is 1\)"):
             _cyclone.join(domain)

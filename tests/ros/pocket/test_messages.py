@@ -151,7 +151,7 @@ class TestPocketOnlyErrors:
         "name", ["std_srvs.srv", "sensor_msgs.srv", "example_interfaces.action", "example_interfaces.msg"]
     )
     def test_services_and_actions_need_a_real_ros(self, name):
-        with pytest.raises(ImportError, match=r"has no (\w|\.)+\. A real ROS 2 Jazzy does: see https"):
+        with pytest.raises(ImportError, match=r"has no (\w|\.)+\. Install a real ROS 2 Jazzy \(see https"):
             import_module(name)
 
     def test_the_nearest_message_is_suggested(self):

@@ -23,7 +23,7 @@ from std_msgs.msg import String
     ],
 )
 def test_a_missing_argument_is_explained(code, node):
-    with pytest.raises(ImportError, match="A real ROS 2 Jazzy does: see https"):
+    with pytest.raises(ImportError, match=r"Install a real ROS 2 Jazzy \(see https"):
         exec(code, globals() | {"node": node})
 
 

@@ -115,7 +115,7 @@ def test_settings_of_pip(place, wheels, monkeypatch):
 
 
 def test_two_at_once(place):
-    with install.alone(place), pytest.raises(TutorialError, match="another tank ros is running"):
+    with install.alone(place), pytest.raises(TutorialError, match="another tank ros command is running"):
         install.install(lambda _: None)
 
 

@@ -65,7 +65,7 @@ def test_the_users_settings_win(place, monkeypatch, name, usual):
     [
         ("Linux", "x86_64", "Type tank ros install."),
         ("Linux", "aarch64", "no ROS 2 for Linux on aarch64: pixi run lab .*apt.*--platform linux/amd64"),
-        ("Darwin", "arm64", r"no ROS 2 for Darwin on arm64: pixi run lab installs one from RoboStack\. See"),
+        ("Darwin", "arm64", r"no ROS 2 for Darwin on arm64: pixi run lab installs ROS 2 from RoboStack\. See"),
     ],
 )
 def test_how_to_get_it(monkeypatch, system, machine, said):

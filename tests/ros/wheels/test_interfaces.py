@@ -100,7 +100,7 @@ def test_no_interface_package(mine, tmp_path, spoil):
     else:
         (mine / ("package.xml" if "xml" in spoil else "CMakeLists.txt")).write_text("project(mine)")
     with pytest.raises(
-        TutorialError, match=r"is not the folder of an interface package: .*--interfaces my_msgs makes one"
+        TutorialError, match=r"is not the folder of an interface package: .*--interfaces my_msgs creates such a folder"
     ):
         build_interfaces(mine, tmp_path, lambda _: None)
 

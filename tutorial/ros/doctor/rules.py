@@ -173,7 +173,7 @@ def _not_requested(facts: Facts) -> Found | None:
     volatile = [each for each in facts.subscriptions if not each.transient_local]
     if not facts.kept or facts.received or not volatile or any(each.lifespan < inf for each in facts.publishers):
         return None
-    saw = f"{_who(facts.publishers[0])} published before the doctor subscribed, and nothing since then."
+    saw = f"{_who(facts.publishers[0])} published before the doctor subscribed, but has published nothing since then."
     return Found(f"{saw} {_who(volatile[0])} asks for VOLATILE.")
 
 
@@ -182,7 +182,7 @@ def _perhaps_missed(facts: Facts) -> Found | None:
     if not facts.silent or facts.publishers[0].transient_local or facts.topic in EVERY_NODE_HAS:
         return None
     is_usual = facts.topic.rpartition("/")[2] in ONCE
-    saw = f"{_silence(facts)} It is VOLATILE: if it published only before you subscribed, you missed it."
+    saw = f"{_silence(facts)} Its publisher is VOLATILE, so you missed any messages that it sent before you subscribed."
     return Found(saw, weak=not is_usual)
 
 
@@ -201,7 +201,7 @@ def _stopped(facts: Facts) -> Found | None:
     program = _program(facts, lambda each: each.stopped and each.joined)
     if program is None or (facts.publishers and not facts.silent):
         return None
-    return Found(f"{_process(program)} is suspended, and uses domain {facts.domain}.", {"PROCESS": str(program.pid)})
+    return Found(f"{_process(program)}, in domain {facts.domain}, is suspended.", {"PROCESS": str(program.pid)})
 
 
 def _silent(facts: Facts) -> Found | None:
@@ -222,7 +222,7 @@ def _domain(facts: Facts) -> Found | None:
     if facts.publishers or not facts.found_in:
         return None
     where = _listed([str(domain) for domain in facts.found_in])
-    saw = f"Nobody publishes it in domain {facts.domain}, which is yours, but it has a publisher in domain {where}."
+    saw = f"The topic has no publisher in your domain ({facts.domain}), but it has one in domain {where}."
     return Found(saw, {"DOMAIN": str(facts.found_in[0])})
 
 
@@ -282,7 +282,7 @@ def _nobody(facts: Facts) -> Found | None:
     if alike:
         parts.append(f"Published topics of the same type: {_listed(alike)}.")
     if facts.reach == "LOCALHOST":
-        parts.append("Programs on other machines are not visible in the range LOCALHOST.")
+        parts.append("Your discovery range is LOCALHOST, so programs on other machines are not visible.")
     used = {each.domain for each in facts.programs if each.joined} - {facts.domain, *facts.looked_into}
     if used:
         parts.append(f"Some of your other programs use domain {' or '.join(map(str, sorted(used)))}.")
@@ -293,7 +293,7 @@ def _elsewhere(facts: Facts) -> str:
     """Name the other domains that were searched: 0 to 10, unless the user specified some."""
     looked = facts.looked_into
     if len(looked) > MOST:
-        return f", nor in the domains {looked[0]} to {looked[-1]}"
+        return f", nor in domains {looked[0]} to {looked[-1]}"
     return f", nor in domain {' or '.join(map(str, looked))}" if looked else ""
 
 
@@ -348,7 +348,7 @@ RULES: dict[str, Rule] = {
     "python": Rule(
         "this Python cannot import ROS 2",
         _import,
-        "Every ROS 2 installation is compiled for one version of Python. This Python found none that it can import.",
+        "Each ROS 2 installation is compiled for one version of Python. This Python found no ROS 2 that it can import.",
         "Use the version of Python that your ROS 2 supports, or use the pocket ROS 2.",
         command="export TUTORIAL_ROS=pocket",
         look="python3 -c 'import rclpy'",
@@ -356,7 +356,8 @@ RULES: dict[str, Rule] = {
     "loopback": Rule(
         "the loopback interface is down",
         _loopback,
-        "Programs on one machine find each other through 127.0.0.1. Some containers start with this interface down.",
+        "Programs on one machine find each other through the loopback interface (127.0.0.1). "
+        "In some containers, this interface is down at first.",
         "Turn the interface on.",
         command=TURN_ON,
         look="ip link show lo",
@@ -364,8 +365,9 @@ RULES: dict[str, Rule] = {
     "participants": Rule(
         "the domain is full",
         _full,
-        f"With Cyclone DDS, a domain has room for only {PLACES} programs per machine. Further programs cannot start.",
-        "End programs that you no longer need, or start some programs in another domain.",
+        f"With Cyclone DDS, a domain has room for only {PLACES} programs per machine. When the domain is full, "
+        "no more programs can start in it.",
+        "Stop programs that you no longer need, or start some programs in another domain.",
         command="export ROS_DOMAIN_ID=1",
         look="ss -ulnp",
     ),
@@ -382,15 +384,14 @@ RULES: dict[str, Rule] = {
         _name,
         "Two names refer to the same topic only if they are identical, including the namespace and "
         "the case of each letter.",
-        "Correct the name in one of the programs, or add this remapping when you start the program that uses "
-        "the topic that you checked:",
+        "Correct the name in one of the programs, or remap the checked topic when you start the program that uses it:",
         command="--ros-args -r TOPIC:=OTHER",
         look="topic list -t",
     ),
     "domain": Rule(
         "the publisher is in a different domain",
         _domain,
-        "Programs only see each other if they have the same ROS_DOMAIN_ID. If it is not set, they are in domain 0.",
+        "Programs only see each other if they have the same ROS_DOMAIN_ID. The default is 0.",
         "If the publisher is yours, restart the receiving program in the publisher's domain.",
         command="export ROS_DOMAIN_ID=DOMAIN",
         look="ROS_DOMAIN_ID=DOMAIN topic info -v TOPIC",
@@ -406,13 +407,13 @@ RULES: dict[str, Rule] = {
         "the definitions of the message type differ",
         _apart("hash", lambda each: f"{each.type} {each.hash[:14]}..."),
         "The type has the same name on both sides, but its fields differ, and so do the type hashes.",
-        "Build both programs with the same version of the message package, and source it in both terminals.",
+        "Build both programs with the same version of the message package, and source that version in both terminals.",
     ),
     "reliability": Rule(
         "the reliability settings are incompatible",
         _apart("reliability", lambda each: "RELIABLE" if each.reliable else "BEST_EFFORT"),
         "A RELIABLE subscription refuses a BEST_EFFORT publisher. (A BEST_EFFORT subscription accepts any publisher.)",
-        "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or the publisher RELIABLE.",
+        "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or make the publisher RELIABLE.",
     ),
     "durability": Rule(
         "the durability settings are incompatible",
@@ -424,20 +425,21 @@ RULES: dict[str, Rule] = {
     "deadline": Rule(
         "the deadlines are incompatible",
         _apart("deadline", lambda each: _limit("a deadline", each.deadline)),
-        "A subscription with a deadline refuses a publisher that offers no deadline or a longer deadline.",
-        "Remove or lengthen the subscription's deadline, or give the publisher one that is at least as short.",
+        "A subscription with a deadline refuses a publisher that offers no deadline, or a longer one.",
+        "Remove or lengthen the subscription's deadline, or give the publisher a deadline that is at least as short.",
     ),
     "liveliness": Rule(
         "the liveliness settings are incompatible",
         _apart("liveliness", _liveliness),
-        "A subscription refuses a publisher that offers weaker liveliness or a longer lease than it asks for.",
+        "A subscription refuses a publisher that offers weaker liveliness or a longer lease than the subscription "
+        "asks for.",
         "Remove the subscription's liveliness setting, or give the publisher the same kind of liveliness and "
-        "a lease that is not longer.",
+        "an equal or shorter lease.",
     ),
     "clock": Rule(
         "the publisher waits for /clock",
         _clock,
-        "With use_sim_time, a node's timers follow /clock. If no messages arrive there, the timers never fire.",
+        "With use_sim_time, a node's timers follow /clock. If no messages arrive on /clock, the timers never fire.",
         "Start the program that publishes /clock, such as a simulator, or restart the node with use_sim_time off.",
         command="--ros-args -p use_sim_time:=false",
         look="topic info /clock",
@@ -445,15 +447,17 @@ RULES: dict[str, Rule] = {
     "silent": Rule(
         "the publisher is silent",
         _silent,
-        "Perhaps nobody spins its node, a callback blocks it, its simulation is paused, or it publishes rarely.",
+        "Perhaps nothing spins the publisher's node, a callback blocks the node, its simulation is paused, or "
+        "it rarely publishes.",
         "Check the publisher's program: something has to spin the node, as rclpy.spin(node) does, and each callback "
         "has to return.",
         look="topic hz TOPIC",
     ),
     "late": Rule(
-        "the subscription came after the message",
+        "the subscription was created too late",
         _late,
-        "A VOLATILE subscription only receives messages that are published after the publisher has discovered it.",
+        "A VOLATILE subscription only receives messages that are published after the publisher has discovered "
+        "the subscription.",
         "Make both the publisher and the subscription TRANSIENT_LOCAL: the publisher then keeps its last messages.",
     ),
     "range": Rule(
@@ -475,14 +479,15 @@ RULES: dict[str, Rule] = {
     "unknown": Rule(
         "messages arrive, but with unknown joint names",
         _unknown,
-        "A viewer moves only the joints that its robot's model has, and ignores all other joint names.",
-        "In the publisher's program, name each joint exactly as the model of the robot does.",
+        "A viewer moves only the joints of its robot's model. It ignores all other joint names.",
+        "In the publisher's program, use exactly the joint names of the robot's model.",
         look="topic echo TOPIC",
     ),
     "dropped": Rule(
         "messages arrive, but viewers drop them",
         _dropped,
-        "A viewer ignores messages that are older than the last one, and positions that are not finite numbers.",
+        "A viewer ignores messages that are older than the message it last showed, and positions that are not finite "
+        "numbers.",
         "Publish each joint from only one publisher, with stamps that never jump backwards and positions that are "
         "finite numbers.",
         look="topic echo TOPIC",
@@ -490,9 +495,9 @@ RULES: dict[str, Rule] = {
     "nobody": Rule(
         "nobody publishes the topic",
         _nobody,
-        "A subscription receives nothing if its topic has no publisher, and ROS 2 does not warn about this.",
-        "Start the program that publishes the topic, or look for an error in its terminal.",
+        "A subscription receives nothing if its topic has no publisher, and ROS 2 does not warn you.",
+        "Start the program that publishes the topic. If it is already running, look for an error in its terminal.",
         look="topic list",
     ),
 }
-"""All rules by name, the most likely cause first."""
+"""All rules by name. Those for the most likely causes come first."""

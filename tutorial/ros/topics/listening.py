@@ -166,7 +166,7 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
         count = node.count_publishers(topic)
         raise TutorialError(
             f"no message arrived on {topic} within {timeout:g} s; it has {count} "
-            f"publisher{'s' if count != 1 else ''}. Start the program that publishes it, or wait longer."
+            f"publisher{'s' if count != 1 else ''}. Start the program that publishes the topic, or wait longer."
         ) from None
 
 

@@ -14,7 +14,7 @@ from tutorial.errors import TutorialError, printable
 from tutorial.ros.topics.names import is_message
 
 TRUNCATE_LENGTH = 128
-"""Maximum number of elements or characters that ``ros2 topic echo`` prints of an array or a string."""
+"""Maximum number of elements of an array, or characters of a string, that ``ros2 topic echo`` prints."""
 
 ARRAYS = (list, tuple, array, np.ndarray)
 """Python types of array fields."""

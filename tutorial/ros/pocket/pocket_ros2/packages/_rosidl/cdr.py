@@ -20,7 +20,7 @@ from _rosidl.values import PRIMITIVES
 
 HEADER = 4  # bytes before the message, which identify the encoding
 ORDERS = {b"\0\0": ">", b"\0\1": "<"}
-"""The byte order of numbers in each encoding, as `struct` writes it."""
+"""The byte order of numbers in each encoding, in `struct`'s notation."""
 CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"bool": "?", "byte": "c"}
 """`struct`'s codes for the primitives; strings have no code."""
 

@@ -10,7 +10,7 @@ from _rosidl.definitions import Cardinality, Field
 from _rosidl.values import Container, container, number_type
 
 Check = tuple[Callable[[Any], bool], str]
-"""A function that returns whether a value is valid, and the error message if it isn't."""
+"""A function that returns whether a value is valid, and the error message for an invalid value."""
 
 
 def checker(field: Field, element: type) -> Callable[[Any], None]:

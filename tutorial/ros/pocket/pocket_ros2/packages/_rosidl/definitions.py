@@ -16,14 +16,14 @@ from pathlib import Path
 from typing import Any
 
 RECORDED = Path(__file__).with_name("jazzy.json")
-"""The hash, constants and fields of each type, by name; the types of constants and fields as in .msg files."""
+"""The hash, constants and fields of each type, by name. Types of constants and fields are written as in .msg files."""
 
 FIELD_TYPE = re.compile(
     r"(?P<base>[\w/]+)(<=(?P<string_bound>\d+))?(?P<array>\[(?P<fixed>\d+)\])?(?P<sequence>\[(<=(?P<most>\d+))?\])?"
 )
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
-"""An empty message has this uint8 on the wire, because IDL has no empty structs; the message class omits it."""
+"""An empty message has this uint8 on the wire, because IDL has no empty structs. The message class omits the field."""
 
 
 class Cardinality(Enum):

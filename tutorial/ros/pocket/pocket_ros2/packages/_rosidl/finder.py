@@ -15,7 +15,8 @@ from types import ModuleType
 from typing import Any
 
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
-"""Suffixes of message packages. Checking them first keeps other failing imports from loading the definitions."""
+"""Suffixes of the names of message packages. They are checked first, so that no other failing import loads the
+definitions."""
 
 
 def install() -> None:

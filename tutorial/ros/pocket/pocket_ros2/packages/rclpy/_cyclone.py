@@ -35,17 +35,18 @@ __all__ = ["TransportError", "decode_nodes", "encode_nodes", "join"]
 Entry = TypeVar("Entry")
 
 FATAL_AND_ERROR = 3
-"""Kinds of messages that Cyclone DDS may print. Each malformed packet causes a warning, which its configuration cannot
-turn off. Warnings about the configuration itself are printed before this setting takes effect."""
+"""Kinds of messages that Cyclone DDS may print. Warnings are excluded, because Cyclone DDS warns about each malformed
+packet, and its configuration cannot turn these warnings off. Warnings about the configuration itself are printed before
+this setting takes effect."""
 UNLIMITED = -1
 INCOMPATIBLE = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILITY", 24: "TYPE"}
-"""DDS's numbers for what can make a writer and a reader incompatible: a policy, or their message types."""
+"""DDS's numbers for the reasons why a writer and a reader are incompatible: a policy, or their message types."""
 MANY = 4096
 """Maximum number of entries in one read; in practice, there are never that many."""
 
 TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 """Offsets of these pointers in Cyclone DDS's ``dds_builtintopic_endpoint_t`` [words of 8 bytes], after two guids and a
-handle. An entry for a participant also begins with a guid, followed by these policies."""
+handle. In an entry for a participant, the pointer to the policies comes after one guid."""
 PARTICIPANT_QOS = 2
 MADE_FOR = "11.0.1"
 """The version of the package cyclonedds whose offsets we verified: its C API does not guarantee them."""
@@ -362,8 +363,8 @@ def join(domain_id: int) -> Participant:
     _check_version()
     if _forked:
         raise RCLError(
-            "failed to create a participant: this process was created by os.fork() from one that has nodes. Start "
-            "it with subprocess, or with multiprocessing's method 'spawn'."
+            "failed to create a participant: this process was created by os.fork() from a process that has nodes. "
+            "Start it with subprocess, or with multiprocessing's start method 'spawn'."
         )
     with lock:
         try:
@@ -436,7 +437,7 @@ def _check_version() -> None:
     if found != MADE_FOR:
         raise RuntimeError(
             f"the pocket ROS 2 reads structures of cyclonedds {MADE_FOR}, which may differ in the installed version, "
-            f"{found}. Install the version that it was verified with: pip install cyclonedds=={MADE_FOR}"
+            f"{found}. Install the verified version: pip install cyclonedds=={MADE_FOR}"
         )
 
 

@@ -22,9 +22,9 @@ TURN_ON_LOOPBACK = "sudo ifconfig lo0 up" if sys.platform == "darwin" else "sudo
 UNREACHABLE = (errno.ENETUNREACH, errno.ENETDOWN, errno.EADDRNOTAVAIL)
 
 lock = threading.RLock()
-"""Hold this to create, list or delete an entity of the middleware: Cyclone DDS's Python package fails if one thread
-deletes an entity while another thread creates something with it. A fork waits for this lock, so that the child inherits
-no half-created entity."""
+"""Hold this lock while you create, list or delete an entity of the middleware: Cyclone DDS's Python package fails if
+one thread deletes an entity while another thread uses the entity to create something. A fork waits for this lock, so
+that the child inherits no half-created entity."""
 
 
 def default_domain_id() -> int:
@@ -35,7 +35,9 @@ def default_domain_id() -> int:
     """
     text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
     if not (text.isdecimal() and int(text) <= MAX_DOMAIN_ID):
-        raise RCLError(f"failed to initialize rcl: ROS_DOMAIN_ID is {text!r}, must be a number up to {MAX_DOMAIN_ID}")
+        raise RCLError(
+            f"failed to initialize rcl: ROS_DOMAIN_ID is {text!r}, but must be a number up to {MAX_DOMAIN_ID}"
+        )
     return int(text)
 
 
@@ -53,7 +55,8 @@ def configuration() -> str:
     peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
     if reach not in REACHES:
         raise RCLError(
-            f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be {', '.join(REACHES)}"
+            f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, but must be one of "
+            f"{', '.join(REACHES)}"
         )
     if reach == "SYSTEM_DEFAULT":
         return os.environ.get("CYCLONEDDS_URI") or "<CycloneDDS/>"
@@ -73,8 +76,8 @@ def _address(peer: str) -> str:
             raise ValueError("there is no such port")
         return socket.gethostbyname(host) + colon + port
     except (OSError, ValueError) as error:
-        text = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which cannot be found ({error})."
-        raise RCLError(f"{text} Give addresses such as 192.168.1.20, separated by semicolons.") from None
+        text = f"failed to initialize rcl: ROS_STATIC_PEERS contains {peer!r}, which cannot be found ({error})."
+        raise RCLError(f"{text} Use addresses such as 192.168.1.20, separated by semicolons.") from None
 
 
 def _discovery(reach: str, peers: list[str]) -> str:
@@ -92,8 +95,8 @@ def likely_cause(error: Exception) -> str:
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (
-        f"{error} Usually, too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
-        "here). Stop some of them, or set ROS_DOMAIN_ID to a different number."
+        f"{error} Usually, the cause is that too many ROS 2 programs are running on this machine (the limit is "
+        f"{MAX_PARTICIPANTS}). Stop some of them, or set ROS_DOMAIN_ID to a different number."
     )
 
 

@@ -30,7 +30,7 @@ class Endpoint(Destroyable):
     """
 
     _noun: str
-    """The endpoint's name in log lines, even for a program's own subclass."""
+    """The word for such an endpoint in log lines. A program's own subclass keeps it."""
     _warning: str
 
     def __init__(self, node: Node, msg_type: type[Message], topic: str, qos_profile: QoSProfile) -> None:

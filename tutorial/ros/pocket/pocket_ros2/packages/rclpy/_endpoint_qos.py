@@ -15,7 +15,7 @@ def explicit(profile: QoSProfile, *, writer: bool) -> QoSProfile:
         TypeError: the depth is negative.
     """
     if profile.depth < 0:
-        raise TypeError(f"QoSProfile: depth is {profile.depth}, must not be negative")
+        raise TypeError(f"QoSProfile: depth is {profile.depth}, but must not be negative")
     keep_all = profile.history == HistoryPolicy.KEEP_ALL
     best_effort = profile.reliability.name in (["BEST_EFFORT"] if writer else ["BEST_EFFORT", "BEST_AVAILABLE"])
     kept = profile.durability.name in (["TRANSIENT_LOCAL", "BEST_AVAILABLE"] if writer else ["TRANSIENT_LOCAL"])

@@ -21,7 +21,7 @@ OnSetCallback = Callable[[list[Parameter]], SetParametersResult]
 PostSetCallback = Callable[[list[Parameter]], None]
 
 TYPE_SERVICE = "start_type_description_service"
-"""A parameter that every rclpy node has. It has no effect here, because there are no services."""
+"""A parameter that every rclpy node has. It has no effect here: the pocket ROS 2 has no services."""
 
 EMPTIED = (
     "parameter list cannot be empty, this might be due to pre_set_parameters_callback modifying the original "
@@ -39,7 +39,7 @@ class NodeParameters:
     PARAM_REL_TOL = TOLERANCE
 
     _use_sim_time: Callable[[bool], None]
-    """Switches the node's clock to simulated time, or back to the system's time."""
+    """Switches the node's clock to simulated time, or back to system time."""
     _publish_parameter_event: Callable[[ParameterEvent], None]
 
     def _init_parameters(

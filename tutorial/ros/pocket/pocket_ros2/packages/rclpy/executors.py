@@ -28,7 +28,7 @@ LONGEST_WAIT = 0.1
 """Maximum time for one wait within the middleware [s]: Python handles Ctrl-C only between calls into C."""
 
 FEW = 6
-"""Up to this many endpoints, polling each one is faster than asking the middleware which endpoints have messages."""
+"""For up to this many endpoints, polling each one is faster than asking the middleware which ones have messages."""
 
 
 class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)

@@ -35,14 +35,14 @@ listeners: weakref.WeakValueDictionary[str, Listener] = weakref.WeakValueDiction
 """Listeners by logger name."""
 
 muting: weakref.WeakSet[object] = weakref.WeakSet()
-"""Running contexts with ``--disable-stdout-logs``. While there is one, nothing is logged to stderr."""
+"""Running contexts with ``--disable-stdout-logs``. While any such context runs, nothing is logged to stderr."""
 
 FILTERS = {
     "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
     "skip_first": ("skip_first",),
     "once": ("once",),
 }
-"""Options of each filter, in the order that the filters are applied."""
+"""Options of each filter, in the order in which the filters are applied."""
 OPTIONS = [option for options in FILTERS.values() for option in options]
 
 _levels: dict[str, LoggingSeverity] = {"": LoggingSeverity.INFO}
