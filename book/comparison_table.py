@@ -30,8 +30,8 @@ RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 def judge(kind: type[Viewer], fault: str) -> str:
     """Show a stream to a viewer, and describe how often its pose was not right and whether it reported a problem.
 
-    A pose is right if every joint has its position from the good stream. It is stale if all other joints have an
-    earlier position from this stream, and wrong otherwise.
+    A pose is right if every joint has its position from the newest good message. A pose is stale if some joints have
+    their positions from earlier good messages instead. Any other pose is wrong.
     """
     viewer = kind(RANGES)
     seen: dict[str, set[float]] = {joint: set() for joint in RANGES}
@@ -51,7 +51,7 @@ def judge(kind: type[Viewer], fault: str) -> str:
 
 @lru_cache(maxsize=1)
 def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
-    """Return each good message with the actions that a fault turns it into. They are the same for every viewer."""
+    """Return each good message and the actions that a fault turns it into. Every viewer gets the same actions."""
     chaos = Chaos(seed=SEED)
     made = []
     for number in range(1, 1 + MESSAGES):

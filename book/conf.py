@@ -67,7 +67,7 @@ def setup(app: Any) -> None:
 
 
 def add_controllers(_app: Any, page: str, source: list[str]) -> None:
-    """Add the controllers to their page, in the order of the notebooks that build them."""
+    """Add the controllers' code to the page `controllers`, in the order of the notebooks."""
     if page == "controllers":
         for path in sorted((BOOK.parent / "notebooks").glob("[1-9]_*.ipynb")):
             number, name = path.stem.split("_", 1)
@@ -86,21 +86,21 @@ def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _t
 
 
 def leave_drive_out(_app: Any, page: str, source: list[str]) -> None:
-    """Without npm, replace the driving part of the page `drive` with an explanation."""
+    """If npm is missing or fails, replace the drivable tank on the page `drive` with an explanation."""
     if page == "drive" and not fetch():
         source[0] = re.sub(r"```\{raw\} html.*?```", WITHOUT_NPM, source[0], flags=re.DOTALL)
         logger.info(WITHOUT_NPM)
 
 
 def add_drive(app: Any, page: str, *_: Any) -> None:
-    """Add the script and style of the page `drive`."""
+    """Add the script and the style sheet to the page `drive`."""
     if page == "drive" and fetch():
         app.add_css_file("drive.css")
         app.add_js_file("drive.js", loading_method="defer")
 
 
 def write_player(app: Any, error: Exception | None) -> None:
-    """Write one replay player for all pages, and the files of the page `drive`."""
+    """Write the replay player that all pages share, and the files of the page `drive`."""
     if error is not None or app.builder.format != "html":
         return
     static = Path(app.outdir) / "_static"

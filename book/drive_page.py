@@ -1,4 +1,4 @@
-"""Write the files of the page `drive`: the course's Python code and models, and Python and MuJoCo for a browser.
+"""Write the files of the page `drive`: the course's code and models, and Python and MuJoCo compiled for the browser.
 
 The page runs the course's controllers unchanged. ``drive/python`` replaces the parts that a browser lacks: Cyclone DDS
 and the simulation's thread.
@@ -74,7 +74,7 @@ def fetch() -> Path | None:
 
 
 def write_python(folder: Path) -> None:
-    """Write the page's Python code into a folder: the course, the pocket ROS 2, and replacements for the rest."""
+    """Write the page's Python code into a folder: the course and the pocket ROS 2, adapted for the browser."""
     course = [HOME / "tutorial" / f"{name}.py" for name in MODULES]
     files = {path: path.relative_to(HOME) for path in (*course, *(HOME / "tutorial/controllers").glob("*.py"))}
     cyclone = Path(str(distribution("cyclonedds").locate_file("")))
@@ -127,7 +127,7 @@ def write_site(static: Path) -> None:
 
 
 def _program(name: str, project: Project, controller: str, file: str) -> tuple[dict[str, Any], bytes]:
-    """Return the setup of one of the page's programs, and its view's initial scene."""
+    """Return the setup of one of the page's programs, and the scene that its view shows first."""
     placements = [each.placement for each in project.bodies]
     spec = world_spec(placements)
     model = spec.compile()
@@ -160,7 +160,7 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
 
 
 def _paths(scene: Scene, model: mujoco.MjModel) -> dict[int, str]:
-    """Return each moving body's path in the scene, by MuJoCo's body number."""
+    """Return the scene path of each moving body, by the body's number in MuJoCo."""
     records = unpack_records(scene.snapshot())
     commands = [unpack_command(payload) for kind, payload in records if kind is Record.COMMAND]
     paths = {each["path"] for each in commands if each["type"] == "set_transform"}

@@ -1,7 +1,7 @@
-"""Save what a notebook's widgets show while it runs, for the book, which has no kernel that could update them.
+"""Save what a notebook's widgets show while the notebook runs, because the book has no kernel to update its widgets.
 
-``make notebooks`` makes every kernel call `keep`; ``conf.py`` replaces the widgets with the saved figures. A notebook's
-n-th widget is saved as ``n.html``.
+When ``make notebooks`` runs the notebooks, every kernel calls `keep`; ``conf.py`` then replaces the widgets with the
+saved figures. A notebook's n-th widget is saved as ``n.html``.
 """
 
 import base64
@@ -26,7 +26,7 @@ BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick"}
 
 
 def keep(folder: Path) -> None:
-    """From now on, save every widget that this kernel displays to a folder."""
+    """From now on, whenever this kernel displays a widget, save the widget to a folder."""
     from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself does not need these)
 
     from tutorial.notebook.program import Program  # noqa: PLC0415
@@ -47,7 +47,7 @@ def keep(folder: Path) -> None:
 
 
 class _Kept:
-    """The displayed widgets, by number and by place in their row."""
+    """The displayed widgets, by number. The widgets in a row share a number, and each has its place in the row."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -58,11 +58,11 @@ class _Kept:
         self._drawn: list[tuple[list[str], int, Any]] = []
 
     def know(self, program: Any) -> None:
-        """Store a program under its view."""
+        """Remember the program that a view belongs to."""
         self._programs[program.view] = program
 
     def show(self, widget: Any) -> None:
-        """Start saving a displayed widget; if the same view was displayed before, finish that recording."""
+        """Start saving a displayed widget. If it is a view that was displayed before, end the earlier recording."""
         shown = list(_leaves(widget))
         parts = [""] * len(shown)
         self._parts.append(parts)
@@ -83,7 +83,7 @@ class _Kept:
         self._running[view] = parts, place, recorder
 
     def stop(self, view: Any) -> None:
-        """Write the replay of a view, and stop recording it."""
+        """Stop recording a view, and write the replay."""
         if view in self._running:
             parts, place, recorder = self._running.pop(view)
             figure = recorder.stop().figure(view.title)
@@ -112,7 +112,7 @@ class _Kept:
 
 
 def _leaves(widget: Any) -> Iterator[Any]:
-    """Yield the widgets of a row, or the widget itself."""
+    """If a widget is a row, yield the widgets in it; otherwise, yield the widget itself."""
     if hasattr(widget, "children"):
         for child in widget.children:
             yield from _leaves(child)
@@ -125,7 +125,7 @@ def _picture(picture: Any) -> str:
 
 
 def _image(view: Any) -> str:
-    """Return the newest image on a topic, if any."""
+    """Return a figure of the newest image on a topic, or "" if there is no image yet."""
     pixels, fields = view.newest
     if not pixels:
         return ""
@@ -134,7 +134,7 @@ def _image(view: Any) -> str:
 
 
 def _telling_time(recorder: Any) -> float:
-    """Return the time [s] when the joints were farthest from their start; the newest time, if they hardly moved."""
+    """Return the time [s] when the joints had moved farthest, or the newest time if they have hardly moved."""
     first = recorder._positions[0]
     best, farthest = recorder._times[-1], MOVED
     for time, positions in zip(recorder._times, recorder._positions):

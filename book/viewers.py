@@ -77,10 +77,10 @@ class ChoreonoidTutorial(Viewer):
 class RobotStatePublisher(Viewer):
     """robot_state_publisher at its default rate of 20 Hz, and tf2, which stores its transforms.
 
-    robot_state_publisher drops messages whose lists differ in length. It also drops a message if, according to the
-    stamps, it last published each of the message's joints less than one interval earlier. For a repeated name it uses
-    the first position, because it inserts the positions into a map. tf2 rejects NaN and shows the transform with the
-    newest stamp.
+    robot_state_publisher drops messages whose lists differ in length. It also drops a message if it has published
+    every joint of the message within the last interval, as measured by the stamps. For a repeated name, it uses the
+    first position, because it inserts the positions into a map. tf2 rejects NaN and shows the transform with the newest
+    stamp.
 
     Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.
     """
@@ -116,9 +116,10 @@ class RobotStatePublisher(Viewer):
 
 
 class JointStatePublisher(Viewer):
-    """joint_state_publisher with a source_list: it matches names and uses the position at the same index, if any.
+    """joint_state_publisher with a source_list: it uses the position at the index of each joint's name.
 
-    An index beyond the positions raises an error in the callback, which ends the program.
+    It ignores messages without positions. If only the position at this index is missing, the callback raises an error,
+    which ends the program.
 
     Source: ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`.
     """
@@ -136,7 +137,9 @@ class JointStatePublisher(Viewer):
 
 
 class Foxglove(Viewer):
-    """The 3D panel of Foxglove Studio: it matches names and ignores stamps. A joint without a position is at 0.
+    """The 3D panel of Foxglove Studio: it matches names and ignores stamps.
+
+    If a name has no position, its joint is shown at 0.
 
     Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
     """
@@ -151,9 +154,9 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, with its newest points as the pose: it matches names and skips NaN, infinities and extra entries.
+    """PlotJuggler, whose newest points are the pose: it matches names and skips NaN, infinities and extra entries.
 
-    It uses the time of arrival, which is its default.
+    By default, it uses a message's time of arrival, not the stamp.
 
     Source: PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927,
     `plotjuggler_base/include/PlotJuggler/plotdatabase.h`.

@@ -1,4 +1,4 @@
-"""Step 10: like step 3, with a simulation that answers requests and can be tuned."""
+"""Step 10: like step 3, but the simulation also answers requests and can be tuned."""
 
 from pathlib import Path
 

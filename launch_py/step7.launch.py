@@ -1,4 +1,4 @@
-"""Step 7: a simulation that publishes the tank's pose, and a viewer in a separate program that shows the pose."""
+"""Step 7: a simulation that publishes the tank's pose, and a separate program with a viewer of this pose."""
 
 from pathlib import Path
 

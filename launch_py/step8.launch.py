@@ -1,4 +1,4 @@
-"""Step 8: like step 3, with a recorder that writes the simulation's joint states to a bag."""
+"""Step 8: like step 3, plus a recorder that writes the simulation's joint states to a bag."""
 
 from pathlib import Path
 

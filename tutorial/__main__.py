@@ -1,4 +1,4 @@
-"""Runs the command ``tank``; ``python -m tutorial`` does the same."""
+"""Run the command ``tank``, which can also be started as ``python -m tutorial``."""
 
 import gc
 import signal

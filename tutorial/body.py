@@ -29,11 +29,11 @@ ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 class Joint:
-    """A hinge or slide joint of a body, as `sensor_msgs/JointState` describes it.
+    """A hinge or slide joint of a body, with the quantities that a `sensor_msgs/JointState` contains.
 
     Attributes:
         name: its name, without the body's prefix.
-        range: the limits ``(lower, upper)`` [rad or m]; infinite if the joint has no limit.
+        range: the limits ``(lower, upper)`` [rad or m]; infinite if the joint has no limits.
         qpos_adr: the index of its position in MuJoCo's ``qpos``.
     """
 
@@ -112,7 +112,7 @@ class Joint:
 
 
 class Actuator:
-    """An actuator of a body, other than a joint's motor, such as a track.
+    """An actuator of a body, such as a track. To command a joint's motor, set `Joint.effort` instead.
 
     Attributes:
         name: its name, without the body's prefix.
@@ -168,8 +168,8 @@ class Body:
     """A named part of a MuJoCo model, with its state.
 
     A displayed body has its own model and state and belongs to the thread that made it, the main thread. A simulated
-    body is part of the simulation's world and belongs to the thread that steps it. Moving a displayed body on any other
-    thread raises WrongThreadError.
+    body is part of the simulation's world and belongs to the thread that steps it. Moving a displayed body on a thread
+    other than its own raises WrongThreadError.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.
@@ -329,7 +329,7 @@ class Body:
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def reset(self) -> None:
-        """Move the body back to its start, and set its velocity to zero."""
+        """Move the body back to its initial pose, and set its velocity to zero."""
         self._check("reset")
         self.data.qpos[self.qpos_slice] = self.model.qpos0[self.qpos_slice]
         self.data.qvel[self._dof_slice] = self.data.qacc_warmstart[self._dof_slice] = 0.0
@@ -338,7 +338,8 @@ class Body:
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body, and the joints that its model couples to them.
 
-        A coupled joint follows its leader until a call names it. Joints that are neither named nor coupled do not move.
+        A coupled joint follows its leader until a call passes a position for it. Joints that get no position and are
+        not coupled do not move.
 
         Args:
             positions: the positions [rad or m] by joint name.
@@ -363,7 +364,7 @@ class Body:
 
         Args:
             report: which joints the message moved, and the message's faults; None for a change without a message. The
-                body only passes the report on, because a controller does not know the observers.
+                body only passes the report on, because a controller has no access to the observers.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
@@ -379,7 +380,7 @@ class Body:
 
 
 def _slice(joint_ids: Sequence[int], addresses: NDArray[np.int32], size: int) -> slice:
-    """Return a body's part of an array such as ``qpos``. MuJoCo numbers a body's joints in sequence.
+    """Return a body's slice of an array such as ``qpos``. MuJoCo numbers a body's joints consecutively.
 
     Args:
         joint_ids: the body's joints.
@@ -399,7 +400,7 @@ class _Root(NamedTuple):
 
     @classmethod
     def of(cls, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_ids: Sequence[int]) -> _Root:
-        """Find a body's root. If the root can move, its first joint is a free joint."""
+        """Find a body's root. If the root can move, the body's first joint is a free joint."""
         if joint_ids and model.jnt_type[joint_ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
             adr, dof = int(model.jnt_qposadr[joint_ids[0]]), int(model.jnt_dofadr[joint_ids[0]])
             return cls(data.qpos[adr : adr + 3], data.qpos[adr + 3 : adr + 7], data.qvel[dof : dof + 6])

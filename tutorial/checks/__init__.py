@@ -1,4 +1,4 @@
-"""Self-checks of the exercises. `README.md` in this folder explains how to add an exercise.
+"""Self-checks for the exercises. `README.md` in this folder explains how to add an exercise.
 
 In a notebook::
 
@@ -7,9 +7,9 @@ In a notebook::
     drive.hint()
     drive.solution()
 
-Each exercise has a module with the same name. Each step's module, such as `tank_controller`, lists the exercises of its
-notebook. The answer runs in a separate process and ROS domain, in simulated time, so that it cannot disturb the
-learner's programs.
+Each exercise has a module with the same name. Each step's module, such as `tank_controller`, lists the exercises of the
+step's notebook. A check runs the answer in simulated time, and in a separate process and ROS domain, so that the answer
+cannot disturb the learner's programs.
 
 Learners use `exercise`; `catalogue` lists all exercises, and `engine` contains the code that the exercises share.
 """

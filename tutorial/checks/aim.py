@@ -5,8 +5,8 @@ Write the method `aim` of `HeldJoint`. It is called once per simulation step, wi
 
 - The reference starts at the joint's angle. In each call it moves by `0.002 * stick` rad, which is 0.002 rad at full
   deflection and half of that at half deflection. It stays within `joint.range`, a pair (lower, upper).
-- The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set `joint.effort` [N.m] to it in every call, even if the
-  stick is at rest. `q` is `joint.position`, and `q_ref` is the reference after it has moved.
+- The torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`. Set `joint.effort` [N.m] to this torque in every call, even if
+  the stick is at rest. `q` is `joint.position`, and `q_ref` is the reference after it has moved.
 - `dq_ref` and `dq` are speeds [rad/s]: the change in `q_ref` and in `q` since the last call, divided by `time_step`.
   You may use `joint.velocity` as `dq`.
 

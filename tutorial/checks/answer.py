@@ -1,7 +1,7 @@
-"""The exercise `answer`: a request that the simulation's thread carries out, and its answer.
+"""The exercise `answer`: have the simulation's thread carry out a request, and answer it.
 
-Write the controller `AngleServer`. It offers the service `angle` of its body (type `Trigger`), which for the body
-`Tank` is `/Tank/angle`. The response reports the angle of the simulated body's joint `TURRET_Y`.
+Write the controller `AngleServer`. It offers the service `angle` (type `Trigger`) of its body; for the body `Tank`,
+this is `/Tank/angle`. The response reports the angle of the simulated body's joint `TURRET_Y`.
 
 - The simulated body belongs to the simulation's thread. During a step, its joints hold intermediate values, so only
   this thread may read the joints, and only between two steps: use `config.ask`.
@@ -15,10 +15,10 @@ Hint 1: Look at the three threads: configure runs on the main thread, the callba
 joint belongs to the simulation's thread. Which method gives you the simulated body, and on which thread does it run?
 
 Hint 2: Store config.ask in configure, and the joint in initialize. Write a method that returns the text, and have the
-callback ask for it, with a timeout. A refusal is an exception.
+callback ask for it, with a timeout. If the request is refused, ask raises RefusedError.
 
 Hint 3: In the callback, try response.message = self.ask(self.read, timeout=0.5), then set response.success = True.
-Except for RefusedError as refusal, response.message = str(refusal). Return the response in both cases.
+In the clause except RefusedError as refusal, set response.message = str(refusal). Return the response in both cases.
 
 Notice that the callback waits, which a callback should not do; but it waits only for another thread, and never for
 long.
@@ -98,7 +98,7 @@ class AngleServer(SimpleController):
 
 @contextmanager
 def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
-    """Simulate steps on a thread. The turret has this angle [rad] only between two steps."""
+    """Simulate steps on a separate thread. The turret has the given angle [rad] only between two steps."""
     done = threading.Event()
 
     def run() -> None:
@@ -137,7 +137,7 @@ def read(name: str, *angles: float) -> Run:
 
 
 def angle_from(bench: Bench, service: str, angle: float) -> str:
-    """Make a request and return the described response.
+    """Make a request, and return a description of the response.
 
     Raises:
         Failure: the response does not report the angle [rad], and the likely cause is known.
@@ -153,7 +153,7 @@ def angle_from(bench: Bench, service: str, angle: float) -> str:
 
 
 def refused(trial: Trial) -> str:
-    """Observe the response without a simulation, and what the controller leaves behind."""
+    """Observe the response when no simulation is running."""
     with closing(Bench(trial)) as bench:
         return bench.ask("/Tank/angle")
 
@@ -168,7 +168,7 @@ def late(trial: Trial) -> str:
 
 
 def left(trial: Trial) -> str:
-    """Observe what is left after the controller has left the body."""
+    """Observe what the controller leaves behind after `unconfigure`."""
     with closing(Bench(trial)) as bench:
         return bench.leave()
 

@@ -55,7 +55,7 @@ class PitCrew(SimpleController):
         return await self.go_home.call_async(Trigger.Request())
 
     def unconfigure(self) -> None:
-        """Stop answering and asking."""
+        """Destroy the service and the clients."""
         self.node.destroy_service(self.service)
         self.node.destroy_client(self.open_door)
         self.node.destroy_client(self.go_home)
@@ -74,7 +74,7 @@ WRONG_ASK = (
 
 @contextmanager
 def garage(trial: Trial, door: str = "open", home: str = "home") -> Iterator[Bench]:
-    """Offer both services with given replies, and configure the controller.
+    """Offer both services with the given replies, and configure the controller.
 
     Raises:
         Failure: `configure` has not created a client for each service.
@@ -89,7 +89,7 @@ def garage(trial: Trial, door: str = "open", home: str = "home") -> Iterator[Ben
 
 
 def stops(door: str = "open", home: str = "home", count: int = 1) -> Run:
-    """Observe pit stops, one after another, for given replies of both services."""
+    """Observe pit stops, one after another, with the given replies of both services."""
 
     def case(trial: Trial) -> str:
         with garage(trial, door, home) as bench:
@@ -102,7 +102,7 @@ def stops(door: str = "open", home: str = "home", count: int = 1) -> Run:
 
 
 def left(trial: Trial) -> str:
-    """Observe what is left after a pit stop and `unconfigure`."""
+    """Observe what the controller leaves behind after a pit stop and `unconfigure`."""
     with garage(trial) as bench:
         bench.ask("/pit_stop")
         return bench.leave()

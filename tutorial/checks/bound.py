@@ -4,11 +4,11 @@ Write the function `four_axes(message)`. It returns the first four axes of a `Jo
 four numbers from -1 to 1, whatever the message contains:
 
 - An axis outside the range from -1 to 1 is clamped: 1.5 counts as 1, and -3 as -1.
-- An axis that is not finite (NaN or an infinity) counts as 0. So does a missing axis.
+- An axis that is missing or not finite (NaN or an infinity) counts as 0.
 - A bad axis does not affect other axes.
 
-The control loop calls it a thousand times a second, so it must not take longer for a million axes than for four. It
-never raises an exception, and it leaves the message unchanged.
+The control loop calls the function a thousand times a second, so it must not take longer for a million axes than for
+four. It never raises an exception, and it leaves the message unchanged.
 
 Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis? It can be
 missing, not finite, too large or too small.
@@ -78,7 +78,7 @@ def numbers(returned: Any) -> list[float]:
 
 
 def twice(trial: Trial) -> list[float]:
-    """Observe the results of two calls, read after the second call."""
+    """Observe the results of two calls, both read after the second call."""
     both = [trial.call(trial.answer, Joy(axes=axes)) for axes in (FOUR, FOUR[::-1])]
     return [number for returned in both for number in numbers(returned)]
 
@@ -89,7 +89,7 @@ class Million(array):  # type: ignore[type-arg]
     steps = 0
 
     def step(self, *_: object) -> Any:
-        """Count one step. This is also a trace function."""
+        """Count one step. The method also serves as a trace function."""
         self.steps += 1
         if self.steps > STEPS:
             raise Misuse(LONG, ALL)

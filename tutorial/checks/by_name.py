@@ -1,7 +1,7 @@
 """The exercise `by_name`: match a message's positions to the body's joints by name.
 
 Write the function `match_by_name(joint_names, message)`. It returns a new dict that maps the names of the body's joints
-to the positions that the `JointState` `message` has for them. `joint_names` contains the names of the body's joints.
+to their positions in `message`, a `JointState`. `joint_names` contains the names of the body's joints.
 
 - The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
 - Ignore names that the body does not have.
@@ -73,7 +73,9 @@ EARLIER = 0.777  # [rad]; the position of every joint in an earlier message, whi
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:
-    """Make a case that passes an earlier message with all joints, then this one, and observes the last result as text.
+    """Make a case that observes the answer's result for a message, as text.
+
+    Before this message, the answer gets a message with all joints.
 
     Args:
         names, positions: the message's content; positions in [rad].

@@ -21,7 +21,7 @@ NEEDS_REAL_ROS = ("10_services", "services")  # a sandbox does not show the note
 
 @cache
 def exercises() -> dict[str, tuple[Exercise, ...]]:
-    """Return all exercises in the course's order, by notebook, such as ``1_tank_controller``.
+    """Return all exercises by notebook (such as ``1_tank_controller``), in the course's order.
 
     A notebook and its module here have the same name, except for the number. The module's ``__all__`` lists the
     exercises in the notebook's order. Modules without a notebook come last. With the pocket ROS 2, which has no
@@ -39,7 +39,8 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
 def exercise_names(step: int | None = None) -> dict[str, list[str]]:
     """Return the names of a step's exercises, or of all exercises, by notebook.
 
-    Each exercise has a module with the same name. The function imports none of them, so it works without rclpy.
+    Each exercise has a module with the same name. The function imports none of these modules, so it works
+    without rclpy.
     """
     notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
     modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if not each.ispkg]

@@ -5,8 +5,8 @@ is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` a
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive forward.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis counts as 0 if its absolute value is at most 0.3. Check each axis separately; outside this dead zone, use it
-  unchanged.
+- An axis counts as 0 if its absolute value is at most 0.3. Check each axis separately, and use it unchanged outside
+  this dead zone.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
 - In every step, use the newest message, even if it arrived long ago, or before a restart of the simulation.
 - In `unconfigure`, when the controller leaves the body, have the node destroy the subscription.
@@ -17,12 +17,13 @@ set the tracks.
 Hint 1: Which thread calls on_joy, and which one calls control? How does the message get from one thread to the other?
 And what does control find before the first message, or in a message with too few axes?
 
-Hint 2: In configure, make a Latest with an empty Joy() before you subscribe. The callback puts the message into it. In
-every step, control gets it once, reads it with four_axes, applies the dead zone to each axis, and sets both tracks.
+Hint 2: In configure, make a Latest with an empty Joy() before you subscribe. The callback puts each message into this
+Latest. In every step, control gets the message once, reads it with four_axes, applies the dead zone to each axis, and
+sets both tracks.
 
 Hint 3: In configure: self.node = config.node and self.joy = Latest(Joy()). In control: axes =
 four_axes(self.joy.get()); then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]); then
-self.track_l.ctrl and self.track_r.ctrl. In unconfigure: self.node.destroy_subscription(self.subscription).
+set self.track_l.ctrl and self.track_r.ctrl. In unconfigure: self.node.destroy_subscription(self.subscription).
 
 Notice that control gets the message once and reads both axes from it, and that your code needs no lock.
 """
@@ -130,7 +131,7 @@ def speeds(rig: Rig) -> str:
 
 
 def played(trial: Trial, *script: Any, **options: Any) -> Rig:
-    """Make a tank, and play a script: messages with these axes, numbers of steps, and names of methods to call."""
+    """Make a tank, and play a script, whose items are a message's axes, a number of steps, or a method's name."""
     rig = Rig(trial, **options)
     rig.displayed.data.ctrl[:] = 0.0
     for each in script:
@@ -151,7 +152,7 @@ def after(*script: Any) -> Callable[[Trial], str]:
 
 
 def second_step(trial: Trial) -> str:
-    """Observe whether a second step without a message commands the same speeds as the first."""
+    """Observe whether a second step without a new message commands the same speeds as the first step."""
     one, both = (after("start", DRIVES, steps)(trial) for steps in (1, 2))
     return "yes" if one == both else f"no, first {one}, then {both}"
 

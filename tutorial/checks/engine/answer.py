@@ -32,9 +32,9 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
 
     Args:
         answer: the learner's object.
-        name: the answer's name in the exercise.
-        base: the class that the answer has to inherit from, `object` for any class; None for a function.
-        call: the call to the check, for instance ``"await drive.check"``.
+        name: the name that the answer has in the exercise.
+        base: the class that the answer has to inherit from; `object` if any class will do; None for a function.
+        call: the call that starts the check, for instance ``"await drive.check"``.
     """
     instead = f"Pass the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, type) != (base is not None) or not callable(answer):
@@ -93,7 +93,7 @@ def check_has(answer: type, *methods: str) -> None:
 
 
 def classes_of(answer: Any) -> list[type]:
-    """Return an answer's class and its base classes, except for classes of Python and the tutorial."""
+    """Return an answer's class and its base classes, except for those of Python and of the tutorial."""
     kind = answer if isinstance(answer, type) else type(answer)
     return [each for each in kind.__mro__ if each.__module__ not in _OURS]
 

@@ -1,4 +1,4 @@
-"""A bench: a learner's controller on a node of the real rclpy, all callbacks on one thread, plus a second program."""
+"""A bench: a learner's controller on a node of the real rclpy, its callbacks on one thread, and a second program."""
 
 import sys
 import time
@@ -44,7 +44,7 @@ NO_LOOP = (
 
 
 class _Node(WatchedNode):
-    """A node that has at most one call in progress."""
+    """A node that has at most one service call in progress."""
 
     _future: Any = None
 
@@ -56,7 +56,7 @@ class _Node(WatchedNode):
 
 
 class _Thread(SpinThread[_Node]):
-    """A node's thread that stores a callback's exception, so that the learner sees it, instead of logging it."""
+    """A node's thread that stores a callback's exception instead of logging it, so that the learner sees it."""
 
     timeout = 0.5
 
@@ -83,8 +83,8 @@ class Bench:
     Args:
         trial: the trial that the bench belongs to.
         name: the body's name.
-        replies: by name, the services that the second program offers before `configure` runs. A service succeeds
-            unless its reply begins with "no".
+        replies: by service name, the replies of the services that the second program already offers when `configure`
+            runs. A request succeeds unless the reply begins with "no".
 
     Attributes:
         trial: as given.
@@ -94,7 +94,7 @@ class Bench:
         requests: the requests that wait for the simulation's thread.
         learner: the learner's controller.
         took: how long the last response took [s].
-        asked: the names of the second program's services, in the order of the learner's requests.
+        asked: the names of the second program's services that the learner has called, in order.
         timeouts: the timeouts of the learner's calls to ``config.ask`` [s].
 
     Raises:
@@ -126,7 +126,7 @@ class Bench:
             getattr(self.learner, method)(*arguments)
 
     def _serve(self, replies: Mapping[str, str]) -> None:
-        """Offer the second program's services, and wait until the learner's node knows them."""
+        """Offer the second program's services, and wait until the learner's node has discovered them."""
         for name, reply in replies.items():
 
             def answer(_request: Any, response: Any, name: str = name, reply: str = reply) -> Any:
@@ -163,11 +163,11 @@ class Bench:
         return f"left: {left}" if left else "nothing is left"
 
     def created(self) -> str:
-        """Name the services, clients, callbacks and parameters that the controller has created, and not destroyed."""
+        """Name the services, clients, callbacks and parameters that the controller has created but not destroyed."""
         return ", ".join(sorted(self._made() - self._before))
 
     def close(self) -> None:
-        """End the requests and both nodes."""
+        """End all pending requests, and close both nodes."""
         self.requests.close()
         if self.node.deadlocks():
             self.node.end_deadlocks()
@@ -176,7 +176,7 @@ class Bench:
         self._other.close()
 
     def _know_each_other(self, client: Any) -> bool:
-        """Return whether a client has discovered its service, and the service its client: one alone is not enough."""
+        """Return whether a client and its service have discovered each other. One direction is not enough."""
         return bool(client.service_is_ready() and self._other.node.count_clients(client.srv_name))
 
     def _failure(self, service: str) -> Failure:

@@ -1,4 +1,4 @@
-"""Cases and mistakes: the data of an exercise. They define what to try, and describe common wrong answers.
+"""Cases and mistakes: the data of an exercise. Cases define what to try; mistakes describe common wrong answers.
 
 For instance::
 
@@ -27,7 +27,7 @@ CLOCK = "Your code probably reads the computer's clock. Use only the time that y
 
 @dataclass(frozen=True)
 class Edit:
-    """A change to a source: every occurrence of a string is replaced.
+    """A change to source code: every occurrence of a string is replaced.
 
     Attributes:
         old: the string to replace.
@@ -38,7 +38,7 @@ class Edit:
     new: str
 
     def made_in(self, source: str) -> str | None:
-        """Return the source with this change; None if it does not contain the old text."""
+        """Return the source with this change; None if the source does not contain the old text."""
         before, is_there, _ = source.partition(self.old)
         margin = before.rpartition("\n")[2]
         indent = margin[: len(margin) - len(margin.lstrip())]
@@ -53,7 +53,7 @@ def replace(old: str, *new: str) -> Ways:
     """Replace a part of the solution's source. Each replacement is a separate way to make the mistake.
 
     Change as little as possible: two mistakes can only be found together if they change different parts of the source.
-    The new text can use any name from the exercise's module, `asyncio`, `functools`, `math` and `itertools`.
+    The new text can use any name that the exercise's module, `asyncio`, `functools`, `math` or `itertools` defines.
 
     Args:
         old: the part to replace. All its occurrences are replaced.

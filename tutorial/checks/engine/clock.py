@@ -80,7 +80,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return [timer for timer in self._timers if not timer.cancelled() and timer.when() > self._now]
 
     def advance(self, seconds: float = 0.0) -> None:
-        """Advance the clock [s], and run all calls that become due or are posted in that time, the earliest first."""
+        """Advance the clock [s], and run all calls that become due or are posted meanwhile, the earliest first."""
 
         async def pass_time() -> None:
             await asyncio.sleep(seconds)

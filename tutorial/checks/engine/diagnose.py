@@ -1,4 +1,4 @@
-"""Diagnose: find out why an answer is wrong, by comparing it with the solution and its twins, which contain mistakes.
+"""Diagnose: find out why an answer is wrong, by comparing it with the solution and its twins, the copies with mistakes.
 
 The diagnosis is the smallest set of mistakes that makes the solution behave like the answer in every case.
 """
@@ -33,8 +33,8 @@ class Diagnosis:
     """Why an answer is wrong.
 
     Attributes:
-        causes: the mistake or other cause that each case reveals, by the case's label. An odd case without an entry is
-            a consequence of these causes.
+        causes: the mistake or other cause that each case reveals, by the case's label. If a case without
+            an entry is odd, these causes also explain that case.
     """
 
     causes: Mapping[str, Fault | Why]
@@ -76,7 +76,7 @@ def _own_cause(odd: Observation, twins: Twins) -> Why:
 
 
 def _explanation(seen: Observations, twins: Twins) -> _Explanation:
-    """Explain all observations, or all except those that share a meaning or raised an exception."""
+    """Explain all observations or, failing that, ignore the exceptions or the odd cases that share a meaning."""
     failed = [each for each in seen.all if each.failed]
     misused = [each for each in failed if each.is_misuse]
     alike = _with_the_same_meaning(seen, twins)
@@ -102,7 +102,7 @@ def _each_once(*groups: list[Observation]) -> list[list[Observation]]:
 
 
 def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> dict[str, Fault]:
-    """Assign each mistake to the first free case that it alone makes wrong; return the mistakes by case label."""
+    """Assign each mistake to the first unassigned case that it alone makes wrong; return the mistakes by case label."""
     shown, free = dict[str, Fault](), [*odd]
     for fault in found:
         first = next((each for each in free if twins.shows(each.case, fault)), next(iter(free), None))
@@ -113,7 +113,7 @@ def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> 
 
 
 def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[Fault, ...]:
-    """Return the smallest set of mistakes, one or two, that produces exactly these observations; otherwise ().
+    """Return the one or two mistakes that together produce exactly these observations; () if there are none.
 
     Args:
         seen: the observations.
@@ -137,7 +137,7 @@ def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[F
 class _Search:
     """The candidates for an explanation, in the order of the search.
 
-    The search tries each candidate first in the last odd case, which usually reveals the most. It skips slips if only
+    The search first tries each candidate in the last odd case, which usually reveals the most. It skips slips if only
     one case is odd or an exception was raised, because too many slips would fit.
     """
 
@@ -158,7 +158,7 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield pairs of mistakes where one of them leads to the last odd observation, or both make that case wrong.
+        """Yield pairs of mistakes of which one alone explains the last odd case, or each alone makes that case wrong.
 
         Yield no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a pair
         would only be a guess.

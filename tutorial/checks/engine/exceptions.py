@@ -1,6 +1,7 @@
 """Exceptions in the learner's code: their most likely causes, by type and by CPython's message.
 
-CPython can change its messages. An exception whose message has no entry here is reported without a specific cause.
+CPython's messages can change with each version. An exception whose message has no entry here is reported without a
+specific cause.
 """
 
 import dis
@@ -82,7 +83,7 @@ def likely_cause(error: BaseException, answer: Any) -> str:
 
 
 def _programs(answer: Any) -> str:
-    """Return the advice for an answer that does its program's work itself."""
+    """Return the advice for an answer that initializes, spins or shuts down rclpy itself."""
     if isinstance(answer, type) and not issubclass(answer, SimpleController):
         return _PROGRAMS.format(f"the node that {answer.__name__} gets")
     return _PROGRAMS.format("its node (config.node)")

@@ -4,7 +4,7 @@ from tutorial.checks.engine.verdict import Place
 
 
 class Misuse(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
-    """The learner's code does something that cannot work, for a reason that the check knows.
+    """The learner's code does something that cannot work, and the cause is known.
 
     Args:
         text: what the learner's code does.
@@ -33,15 +33,15 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
 
     @property
     def is_misuse(self) -> bool:
-        """Whether the check knows the reason."""
+        """Whether the error is a `Misuse`, whose cause is known."""
         return isinstance(self.error, Misuse)
 
     @property
     def kind(self) -> tuple[type[BaseException], str]:
         """The kind of failure. Two failures of the same kind are treated as the same observation.
 
-        The kind is the exception's type, together with the cause of a `Misuse`, or with the method whose call lacks a
-        required argument.
+        The kind is the exception's type, together with the cause of a `Misuse`, or with the method's name if a required
+        argument is missing.
         """
         called_in = self.method * ("required positional argument" in str(self.error))
         return type(self.error), getattr(self.error, "cause", called_in)

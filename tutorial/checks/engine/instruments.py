@@ -56,7 +56,7 @@ class Instruments:
     def _noting(self, what: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap a function to record the learner's calls.
 
-        For these calls, a clock that the trial has stopped stands still.
+        A clock that the trial has stopped stands still only for the learner's calls.
         """
 
         @wraps(function)

@@ -31,7 +31,7 @@ def interleave(trial: Trial, function: Callable[[], object], between: Callable[[
         trial: the trial whose code is interrupted.
         function: the function to run on this thread.
         between: the function to run on the other thread.
-        at: the number of the instruction to interrupt, from 0; None for every instruction.
+        at: the number of the instruction before which the code is interrupted, from 0; None for every instruction.
 
     Returns:
         Whether the function reached that instruction.
@@ -85,7 +85,7 @@ def early(make: Callable[..., Any], message: Any) -> Run:
     """Observe whether the callback can run as soon as the subscription exists, while `configure` is still running.
 
     Args:
-        make: makes a `Rig` or a `Viewer`, which configures the controller, from a trial and a node.
+        make: from a trial and a node, makes a `Rig` or a `Viewer`, which configures the controller.
         message: the message that arrives between any two instructions of `configure`.
     """
 
