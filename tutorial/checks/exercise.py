@@ -28,7 +28,7 @@ SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hin
 
 
 class Exercise:
-    """One exercise of a notebook.
+    """An exercise in a notebook.
 
     Args:
         name: the name of the exercise and its module. The answer must have a different name; otherwise it

@@ -69,7 +69,7 @@ class Endpoint:
 
 
 class Timer:
-    """A timer of a `MemoryNode`. It fires only if a case calls its callback.
+    """A timer of a `MemoryNode`. It fires only if a case calls the callback.
 
     Args:
         callback: called when the timer fires.

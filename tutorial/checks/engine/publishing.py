@@ -60,7 +60,7 @@ class Publishing:
             solution: the right answer.
             own: the exercise's own cases. They replace the shared cases that have the same label.
             mistakes: the exercise's own mistakes.
-            meaning: the default meaning of a case: see `Cases`.
+            meaning: the default `meaning` of a case; see `Cases`.
         """
         labels = {case.label for case in own}
         last = [
@@ -102,7 +102,7 @@ class Publishing:
 
     @property
     def wrong_steps(self) -> str:
-        """The meaning of a case with too many or too few messages."""
+        """The `meaning` of a case with too many or too few messages."""
         return (
             "Your code probably hard-codes the number of steps, truncates it, leaves it unrounded, "
             "or measures time instead of counting steps. "
