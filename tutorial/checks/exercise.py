@@ -28,7 +28,7 @@ SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hin
 
 
 class Exercise:
-    """One exercise of a notebook.
+    """An exercise in a notebook.
 
     Args:
         name: the name of the exercise and its module. The answer must have a different name; otherwise it
@@ -37,8 +37,8 @@ class Exercise:
             that begin with ``Hint 1: `` (what to look at), ``Hint 2: `` (how it is done), ``Hint 3: `` (nearly the
             code), and ``Notice`` (about a right answer).
         cases: the cases that an answer has to pass, the known mistakes, and the solution.
-        parts: the methods that the learner has to write. By default, for a controller, the methods that the solution
-            overrides; for any other class, all of the solution's methods.
+        parts: the methods that the learner has to write. By default, all public methods of the solution; for a
+            controller, only those that it overrides.
         imports: the import statements that the solution needs and the notebook lacks.
     """
 
@@ -75,7 +75,7 @@ class Exercise:
         return self._first_look(answer) or self._verdict(*await contain(self.module, self.name, answer))
 
     def judge(self, answer: Any) -> Verdict:
-        """Judge an answer in this process, not in a separate one. The environment has to set a ROS domain."""
+        """Judge an answer in this process, not in a separate one. `ROS_DOMAIN_ID` has to be set."""
         with Instruments() as instruments:
             return self._verdict(tuple(self.findings(answer, instruments)))
 
@@ -84,7 +84,7 @@ class Exercise:
 
         Args:
             answer: the learner's class or function.
-            instruments: the instruments for its trials, already entered.
+            instruments: the instruments for the trials. The call has to be inside their ``with`` block.
         """
         try:
             check_has(answer, *self._requires)
@@ -108,7 +108,7 @@ class Exercise:
         """Print a hint.
 
         Args:
-            number: the hint's number, from 1. Later hints reveal more.
+            number: the hint's number, starting from 1. Later hints reveal more.
         """
         count = len(self._hints)
         if number not in range(1, count + 1):
@@ -145,10 +145,10 @@ class Exercise:
 def listing(part: Any) -> str:
     """Return the source of a class or function in the notebooks' style: without annotations and docstrings.
 
-    Annotations would need imports. Comments and blank lines stay.
+    Annotations would require imports. Comments and blank lines are kept.
 
     Args:
-        part: the class or function, written at the top level of its module.
+        part: the class or function, which has to be defined at the top level of its module.
     """
     shown = source = inspect.getsource(part).rstrip()
     for node in ast.walk(ast.parse(source)):

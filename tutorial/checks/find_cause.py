@@ -9,19 +9,20 @@ all is well:
 - `"reliability"`: a `reliable` subscription has no `reliable` publisher of its type.
 - `"durability"`: a `transient_local` subscription has no publisher of its type that is both reliable enough and
   `transient_local`.
-- `"clock"`: no message arrives, at least one publisher's node follows `/clock`, and no message arrives there, either.
+- `"clock"`: no message arrives, at least one publisher's node follows `/clock`, and no message arrives on `/clock`,
+  either.
 - `"silent"`: there is a publisher, but no message arrives.
 - `"dropped"`: messages arrive, but more than half of them move no joint.
 
 One compatible publisher is enough for a subscription. In each graph, at most one subscription has no compatible
 publisher. `clock_users` holds the full names of nodes, such as `"/tank"`.
 
-Hint 1: Look at the list of causes: without a publisher, only two are possible. And one compatible publisher is
+Hint 1: Look at the list of causes: without a publisher, only two of them are possible. And one compatible publisher is
 enough for a subscription, so look at all publishers before you return a cause.
 
-Hint 2: Return early. Start with the two causes that apply without a publisher. Then narrow down the publishers for each
-subscription: first to those of its type, then to those that are also reliable enough, then to those that are also
-durable enough. The first empty list names the cause. Only then look at the messages.
+Hint 2: Return early. Start with the two causes that are possible without a publisher. Then narrow down the publishers
+for each subscription: first to those of its type, then to those that are also reliable enough, then to those that are
+also durable enough. The first list that is empty determines the cause. Only then look at the messages.
 
 Hint 3: same = [each for each in facts.publishers if each.type == subscription.type], then [each for each in same if
 each.reliable or not subscription.reliable], and the same with transient_local. If not facts.received: "clock" if

@@ -1,13 +1,13 @@
 """The exercise `fire`: report whether the joystick's first button is pressed.
 
 Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 is pressed in this
-message, otherwise `False`. Keep the `Latest` that `__init__` made, and put the value into it.
+message, otherwise `False`. Put the value into the `Latest` that `__init__` created.
 
-- In `message.buttons`, 1 is a pressed button and 0 a released one.
+- In `message.buttons`, 1 means pressed, and 0 means released.
 - A missing button counts as not pressed.
 - `FireButton` doesn't need `self.joy`, but your callback may also put the message into it.
 
-Hint 1: Think of messages without a pressed button: button 0 is released, or the message has no buttons. What does
+Hint 1: Think of messages in which button 0 isn't pressed: it is released, or the message has no buttons. What does
 self.fire have to hold after such messages?
 
 Hint 2: message.buttons is a list, and it can be empty. Check its length before you read its first entry. Then put the
@@ -124,13 +124,13 @@ def after(*states: tuple[int, ...]) -> Callable[[Trial], bool]:
 
 
 def two(trial: Trial) -> list[bool]:
-    """Observe two tanks after a button is pressed only on the first tank's joystick."""
+    """Observe two tanks after button 0 has been pressed, but only on the first tank's joystick."""
     first, second = Rig(trial), Rig(trial, name="Tank")
     return [held(first, (1,)), held(second)]
 
 
 def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
-    """Observe the effect of a message from another node, with rclpy's own node."""
+    """Observe the effect of a message that arrives through rclpy's own node."""
     with ros_node() as node:
         rig = Rig(trial, node=node)
         before = look(rig)
@@ -175,7 +175,7 @@ def describe(seen: Any) -> str:
 
 
 def on_ros(trial: Trial) -> str:
-    """Observe the value of `fire` after a message from another node."""
+    """Observe the value of `fire` after a message has arrived through rclpy's own node."""
     return over_ros(trial, Joy(buttons=[1]), lambda rig: describe(held(rig)))
 
 

@@ -1,7 +1,7 @@
-"""The exercise `gaps`: find in a bag where a stream was interrupted.
+"""The exercise `gaps`: find out where a stream in a bag was interrupted.
 
-Write the function `find_gaps(messages)`. It takes a bag's messages on one topic, a list of pairs `(time_ns, message)`
-in order of receipt; each `message` is a `JointState`. It returns a list of events, in the same order:
+Write the function `find_gaps(messages)`. It takes a bag's messages on one topic as a list of pairs `(time_ns, message)`
+in the order of receipt; each `message` is a `JointState`. It returns a list of events, in the same order:
 
 - `("gap", before, after)` if a stamp is more than 0.1 s after the newest one so far;
 - `("restart", before, after)` if a stamp is more than 1 s before the newest one so far. The publisher has restarted,
@@ -12,13 +12,14 @@ only a little late, or as old as the newest one, is not an event. Report every e
 gap or restart. The list can be empty: never raise an exception, and don't change the list.
 
 Hint 1: What do you compare each stamp with? Not with the previous stamp, which may have been late, but with the newest
-stamp so far. And the bag's own times don't show when a message was made.
+stamp so far. And the bag's own times don't show when a message was created.
 
-Hint 2: Keep the newest stamp in a variable, None before the first message. Time.from_msg of rclpy.time turns a stamp
-into whole nanoseconds. Then distinguish three cases: far ahead, far behind, and everything else.
+Hint 2: Keep the newest stamp in a variable that is None before the first message. Time.from_msg of rclpy.time turns a
+stamp into whole nanoseconds. Then distinguish three cases: far ahead, far behind, and everything else.
 
 Hint 3: In the loop: if newest is None, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
-newest - stamp > 1_000_000_000, append a restart; after either, newest = stamp. Otherwise newest = max(newest, stamp).
+newest - stamp > 1_000_000_000, append a restart; in both cases, then set newest = stamp. In all other cases,
+newest = max(newest, stamp).
 
 Notice that you did not need the bag's own times, so a slow computer causes no false gaps.
 """
@@ -110,7 +111,7 @@ def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tu
     Args:
         stamps: the stamps of the messages [s].
         since: the time to add to all stamps [s].
-        every: the time between the receipt of two messages [s].
+        every: the time from the receipt of one message to the receipt of the next one [s].
     """
     for i, stamp in enumerate(stamps):
         message = JointState(name=["TURRET_Y"], position=[0.1])
@@ -124,7 +125,7 @@ def stamps_of(messages: Sequence[tuple[int, JointState]]) -> list[int]:
 
 
 def bag(*stamps: float, **how: Any) -> Callable[[Trial], Found]:
-    """Make a case that observes the result for a bag with these stamps [s].
+    """Observe the result for a bag with these stamps [s].
 
     Args:
         stamps, how: as for `recorded`.
@@ -151,7 +152,7 @@ def read(returned: Sequence[tuple[Any, ...]]) -> Found:
 
 
 def whole(number: Any) -> str | float:
-    """Return a whole number as text with all its digits, and a fraction or inexact large float as a float."""
+    """Return an exact whole number as text with all its digits, and any other number as a float."""
     is_exact = number % 1 == 0 and (not isinstance(number, float) or abs(number) < 2**53)
     return f"{int(number):_}" if is_exact else float(number)
 
@@ -210,7 +211,7 @@ CASES = [
 
 
 def describe(found: Found) -> str:
-    """List as many events as fit into half a line, which leaves room for the expected events."""
+    """List as many events as fit into half a line, to leave room for the expected events."""
     said = [f"{what} {' to '.join(map(str, stamps))}" for what, *stamps in found]
     count = len(said)
     while count > 1 and len(", ".join(said[:count])) > HALF_A_LINE:

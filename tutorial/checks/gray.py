@@ -17,16 +17,16 @@ leading slash, so it is in the node's namespace.
 Hint 1: Look at who does what. control only requests an image, five times per simulated second. The function that
 receives the image does everything else.
 
-Hint 2: In control, make the camera capture an image. Pass it the function that receives the image, and the simulated
-time. That function receives the pixels and the time. It fills the message: height and width from pixels.shape, one byte
-per pixel in each row.
+Hint 2: In control, have the camera capture an image. Pass capture the function that will receive the image, and the
+simulated time. That function receives the pixels and the time. It fills in the message's fields: height and width come
+from pixels.shape, and each pixel is one byte.
 
 Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape;
 message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
 Time(nanoseconds=time_ns).to_msg().
 
-Notice that the control loop never waits for an image. And gray images at half the rate need a sixth of the bytes per
-second that colour images need.
+Notice that the control loop never waits for an image. And gray images at half the rate need only a sixth of the
+bandwidth of colour images.
 """
 
 from array import array
@@ -53,7 +53,7 @@ from tutorial.errors import TutorialError
 
 
 class GrayPublisher(SimpleController):
-    """Publish what the camera sees in gray at 5 Hz."""
+    """Publish the camera's images in gray, at 5 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the publisher on a topic named after the body."""
@@ -162,11 +162,11 @@ class Camera:
 
 
 class CameraRig(Rig):
-    """A rig with a camera. Its images can be late, and one of them can be missing.
+    """A rig with a camera. Images can be late, and one of them can be missing.
 
     Args:
         trial: the trial that the rig belongs to.
-        delay: the number of steps from a request to its delivery.
+        delay: the number of steps from a request to the delivery of its image.
         missed: the number of the image that is never delivered.
         is_still: whether all images are identical.
         options: the options of `Rig`.
@@ -174,7 +174,7 @@ class CameraRig(Rig):
     Attributes:
         cameras: the cameras that the learner has looked up.
         orders: the requests since the start, each with its step, its camera, the pixels, and a function that delivers
-            them.
+            the pixels.
         delivered: the delivered images, each with the step of its request.
     """
 
@@ -185,7 +185,7 @@ class CameraRig(Rig):
         self.body.find_camera = partial(Camera, self)
 
     def start(self, step: int = 0) -> None:
-        """Start the simulation, without any requests."""
+        """Forget all requests and delivered images, and start the simulation."""
         self.orders = list[tuple[int, Camera, Pixels, Callable[[], None]]]()
         self.delivered = list[tuple[int, Pixels]]()
         super().start(step)
@@ -205,7 +205,7 @@ def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
 
 
 def word(data: list[int]) -> str:
-    """Describe bytes: their number and the first six bytes."""
+    """Describe image data: the number of bytes, and the first six bytes."""
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 
@@ -234,7 +234,7 @@ def still(trial: Trial) -> Any:
 
 
 def frame(frame_id: str) -> str:
-    """Return an image's frame. The camera's name alone is accepted as its optical frame."""
+    """Return the name of an image's frame. The camera's name alone is accepted instead of the optical frame's name."""
     return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
 
 

@@ -1,18 +1,18 @@
 """The exercise `gyro`: publish averages of a sensor's measurements.
 
-Write the controller `GyroPublisher` for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on
-the topic `gyro` of its body. For the body `Tank` that is `Tank/gyro`, without a leading slash, so the topic is in the
-node's namespace.
+Write the controller `GyroPublisher` for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on the
+topic `gyro` of its body. For the body `Tank` the topic is `Tank/gyro`, without a leading slash, so it is in the node's
+namespace.
 
 - It publishes 10 times per simulated second: one message every `round(1 / (10 * io.time_step))` steps. You may also
   publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. Publish the first
-  message at any step within 1/10 s after the start; at the very first step, there is only one value to average.
+  message at any step within 1/10 s of the start; at the very first step, there is only one value to average.
 - It publishes each message even if nothing has changed, for example on a robot that doesn't turn.
 - The angular velocity is the average of the `GYRO` sensor's values since the last message: one value per step,
   including the step at which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`), but the covariance of the angular velocity does not.
-- The stamp is the simulated time of publication.
+- The stamp is the simulated time at which the message is published.
 - The frame is the sensor's frame, `Tank/GYRO`, which includes the body's name. On the tank you may also use the
   chassis frame, `Tank/base_link`: the sensor is fixed to the chassis and has the same axes. (The crane's sensor is at
   the tip of its jib.)
@@ -24,11 +24,11 @@ Hint 1: Look at how often each thing happens. You measure in every step, but wit
 every hundredth step. Collect the measurements until you publish.
 
 Hint 2: In initialize, look up the sensor, and start with an empty list. In control, append the sensor's value in every
-step. When a message is due, publish the average of the list, and empty it. Mark the unmeasured fields.
+step. When a message is due, publish the average of the list, then empty the list. Mark the unmeasured fields.
 
-Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
-np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances,
-message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.clear().
+Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, put x, y, z =
+np.mean(self.samples, axis=0).tolist() into message.angular_velocity, and start both covariances with -1.0:
+message.orientation_covariance[0] = -1.0, and so on. Publish the message, then self.samples.clear().
 
 Notice that the average of many measurements is less noisy than any single one, and that no measurement is lost.
 """
@@ -53,7 +53,7 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
 class GyroPublisher(SimpleController):
-    """Publish the mean angular velocity of the steps since the last message, at 10 Hz."""
+    """Publish the mean angular velocity since the last message, at 10 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the publisher; its topic is named after the body."""
@@ -157,7 +157,7 @@ def shaken(trial: Trial, signal: NDArray[np.float64] = SIGNAL, **options: Any) -
 
 
 def means(rig: Rig, sent: list[Sent]) -> Any:
-    """Observe whether each message has the average of the measurements since the previous message."""
+    """Observe whether each message contains the average of the measurements since the previous message."""
     seen = [(v.x, v.y, v.z) for v in (each.message.angular_velocity for each in sent)]
     windows = pairwise([rig.begun - 1, *(each.step for each in sent)])
     wanted = (SIGNAL[min(before + 1, step) : step + 1].mean(axis=0).tolist() for before, step in windows)

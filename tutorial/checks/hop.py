@@ -1,7 +1,7 @@
 """The exercise `hop`: a timer on the main thread, and state that lives as long as the controller.
 
-Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, which for the body `Tank` is `Tank/imu`
-(type `Imu`). The node has no namespace, so the topic can also begin with a slash. When a message reports a blow, the
+Write the controller `HopViewer`. It subscribes to its body's topic `imu` (type `Imu`); for the body `Tank`, this is
+`Tank/imu`. The node has no namespace, so the topic can also begin with a slash. When a message reports a blow, the
 displayed body hops:
 
 - A blow is a horizontal acceleration (the length of the vector (x, y)) of more than 20 m/s².
@@ -16,12 +16,14 @@ displayed body hops:
 Hint 1: Look at what you have to remember between calls: where the body stood, and the timer. The timer also tells
 you whether the body is up.
 
-Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. On
-a blow, land first; then store the position, move the body up, and start a new timer. Also land in unconfigure.
+Hint 2: Start with self.timer = None. To land, test whether there is a timer: if so, cancel it, set self.timer to None,
+and put the body back. On a blow, land first; then store the position, move the body up, and start a new timer. Also
+land in unconfigure.
 
-Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
-notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land.
-Assign self.place itself to the position: if you add and subtract 0.1, the result is not exactly the same.
+Hint 3: self.place = self.body.position; x, y, z = self.place; self.body.position = x, y, z + 0.1; then call
+calc_forward_kinematics and notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without
+parentheses after land. To land, assign self.place itself to self.body.position: adding 0.1 and then subtracting it
+doesn't give exactly the same numbers.
 
 Notice that the timer, the next blow and unconfigure all use the same method to land: whichever comes first ends the
 hop.
@@ -55,7 +57,7 @@ UP = "0.1 m higher"
 
 
 class HopViewer(SimpleController):
-    """Lift the displayed body for half a second when its robot has hit something."""
+    """Lift the displayed body for half a second when the robot has received a blow."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Subscribe to the topic that is named after the body."""
@@ -80,7 +82,7 @@ class HopViewer(SimpleController):
             self.timer = asyncio.get_running_loop().call_later(0.5, self.land)
 
     def land(self) -> None:
-        """Put the body back where it stood, if it is up."""
+        """If the body is up, put it back where it stood."""
         timer, self.timer = self.timer, None
         if timer is not None:
             timer.cancel()

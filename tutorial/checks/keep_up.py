@@ -4,17 +4,19 @@ Write the controller `CalmViewer` for messages that each contain the whole state
 up with any publisher:
 
 - While the main thread is busy, at most one call waits for it. When this call runs, it draws only the newest message.
-- Earlier messages are therefore not shown. The last message is always shown, even if no message follows, and even if it
-  arrives while another message is being drawn.
+- So the viewer may skip messages. But the last message is always shown, even if the publisher then falls silent, and
+  even if it arrives while another message is being drawn.
 
-Hint 1: Look at what waits while the main thread is busy. With MyViewer, a call waits for every message, although you
-will see only the newest message. What has to happen to a waiting call when the next message arrives?
+Hint 1: Look at what waits while the main thread is busy. MyViewer posts a call for every message, although you will see
+only the newest message. What has to happen to a waiting call when the next message arrives?
 
 Hint 2: ControllerConfig has two ways to post a call. With one of them, a new call replaces a waiting one if you post
-both under the same key. The key identifies the calls that replace each other. Everything else stays as in MyViewer.
+both under the same key. The key identifies the calls that replace each other. Everything else is the same as in
+MyViewer.
 
-Hint 3: In configure, store config.call_latest instead of config.call_later. Its first argument is a key, which has to
-be the same for every message, for example the body's name. The function and the message follow, as before.
+Hint 3: In configure, store config.call_latest instead of config.call_later. The first argument of call_latest is a
+key, which has to be the same for every message, for example the body's name. The function and the message follow, as
+before.
 
 Notice what you lose: a replaced call never runs, so every message has to name all joints.
 """
@@ -53,11 +55,11 @@ class CalmViewer(SimpleController):
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message: JointState) -> None:
-        """Hand the message to the main thread, and replace any message that still waits there."""
+        """Hand the message to the main thread, and replace any message that is still waiting there."""
         self.call_latest(self.body.name, self.update, message)
 
     def update(self, message: JointState) -> None:
-        """Move the body's joints to the message's positions."""
+        """Move the body's joints to the positions in the message."""
         positions, report = match_joints(self.body.joint_names, message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()

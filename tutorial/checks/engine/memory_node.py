@@ -72,7 +72,7 @@ class Endpoint:
 
 
 class Timer:
-    """A timer of a `MemoryNode`. It fires only if a case calls its callback.
+    """A timer of a `MemoryNode`. It fires only if a case calls the callback.
 
     Args:
         callback: called when the timer fires.
@@ -95,7 +95,7 @@ class Timer:
 
 
 class MemoryNode:
-    """The part of rclpy's node that a controller uses. No message leaves it.
+    """A stand-in for rclpy's node, with only the methods that a controller uses. It sends nothing to other programs.
 
     Args:
         trial: records whether the answer makes a timer.
@@ -105,10 +105,10 @@ class MemoryNode:
     Attributes:
         get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
         made: all publishers and subscriptions that were ever made.
-        kept: the publishers and subscriptions that the node still has, including any that were destroyed without
-            notifying it.
+        kept: the publishers and subscriptions that the node still has, including those that the learner has
+            destroyed without notifying the node.
         timers: all timers that were ever made.
-        subscribers: how many subscriptions of other programs each publisher is connected to.
+        subscribers: how many subscriptions in other programs each publisher is connected to.
         destroyed: whether the learner has destroyed the node itself.
     """
 
@@ -131,13 +131,13 @@ class MemoryNode:
         """Make a subscription.
 
         Raises:
-            Misuse: the callback is not a plain function.
+            Misuse: the callback is not callable, or it is a coroutine function.
         """
         _check_callback(callback, msg_type)
         return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object], **_: Any) -> Timer:  # noqa: ARG002
-        """Make a timer that never fires by itself, and record ``"timer"``."""
+        """Make a timer that never fires by itself, and note ``"timer"`` in the trial."""
         self._trial.note("timer", sys._getframe())
         self.timers.append(Timer(callback))
         return self.timers[-1]
@@ -153,15 +153,18 @@ class MemoryNode:
 
     @property
     def subscriptions(self) -> list[Endpoint]:
-        """The subscriptions that the node has."""
+        """The subscriptions that the node still has."""
         return [each for each in self.kept if each.callback]
 
     def listeners(self, message: Any) -> list[Any]:
-        """Return the callbacks of the subscriptions to a message's class."""
+        """Return the callbacks of all subscriptions that receive messages of the given message's class."""
         return [each.callback for each in self.subscriptions if each.kind is type(message)]
 
     def on(self, kind: type, topic: str) -> str:
-        """Name the topics that the answer uses for messages of a class, or only the given topic if it is among them."""
+        """Name the topics that the answer uses for a class of messages.
+
+        If the given topic is one of these topics, name only the given topic.
+        """
         made = [each.topic_name for each in self.made if each.kind is kind]
         wanted = expand_topic_name(topic, "tank", self.namespace)
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
@@ -170,7 +173,7 @@ class MemoryNode:
         """Check that the answer has left nothing behind, and return "nothing is left".
 
         Raises:
-            Failure: something is left, or the node is destroyed.
+            Failure: a publisher or subscription is left, or the answer has destroyed the node.
         """
         if not self.kept and not self.destroyed:
             return "nothing is left"

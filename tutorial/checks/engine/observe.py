@@ -23,12 +23,12 @@ UNLIKE = (
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """The result of one case for an answer.
+    """An answer's result in one case.
 
     Attributes:
         case: the case.
-        value: the case's result for the answer, or the `Failure` that ended it.
-        expected: the case's result for the solution.
+        value: the answer's result in the case, or the `Failure` that ended the case.
+        expected: the solution's result in the case.
         seconds: how long the solution took [s]. The answer can take longer if it has to compile a model first.
         noted: how the answer used time and threads, as in `Trial.noted`.
     """
@@ -60,7 +60,7 @@ class Observations:
     """All observations of an answer.
 
     Attributes:
-        all: one observation per case, in the order of the trials. The last observation may have ended the check early.
+        all: one observation per case, in the order of the trials. The check may have ended before the last case.
         changed: the name of a shared object that the trials have changed, as `SharedState.changed` returns it.
     """
 
@@ -86,7 +86,7 @@ def observe(
         cases: the cases.
         answer: the learner's class or function.
         begin: begins a trial, given the answer and the files whose code is watched.
-        expected: returns a case's result for the solution.
+        expected: returns the solution's result in a case.
     """
     shared, seen = SharedState(answer), list[Observation]()
     watched = files_of(answer)  # first, because running the answer can add functions from other files to its class
@@ -101,7 +101,7 @@ def observe(
 
 
 def attempt(run: Run, trial: Trial) -> Any:
-    """Run a case, and return its observation, or the failure that ends it."""
+    """Run a case, and return its observation, or the failure that ended the case."""
     try:
         return run(trial)
     except Failure as failure:
@@ -112,7 +112,7 @@ def attempt(run: Run, trial: Trial) -> Any:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Return whether two observations are equal, except for rounding errors and the line numbers of failures."""
+    """Return whether two observations are equal, ignoring rounding errors and the line numbers of failures."""
     match a, b:
         case Failure(), Failure():
             return bool(a.kind == b.kind)

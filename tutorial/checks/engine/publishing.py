@@ -62,9 +62,9 @@ class Publishing:
 
         Args:
             solution: the right answer.
-            own: the exercise's own cases. They replace shared cases with the same label.
+            own: the exercise's own cases. They replace the shared cases that have the same label.
             mistakes: the exercise's own mistakes.
-            meaning: the default meaning of a case: see `Cases`.
+            meaning: the default `meaning` of a case; see `Cases`.
         """
         labels = {case.label for case in own}
         last = [
@@ -105,7 +105,7 @@ class Publishing:
 
     @property
     def wrong_steps(self) -> str:
-        """The meaning of a case with too many or too few messages."""
+        """The `meaning` of a case with too many or too few messages."""
         return (
             "Your code probably hard-codes the number of steps between messages, truncates it, doesn't round it, "
             "or measures time instead of counting steps. "
@@ -121,7 +121,7 @@ class Publishing:
         )
 
     def messages(self, rig: Rig) -> list[Sent]:
-        """Return the messages that were sent on the topic; if there are no such messages, those on other topics."""
+        """Return the messages that were sent on the topic, or, if there are none, the messages on other topics."""
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
@@ -129,7 +129,7 @@ class Publishing:
         """Simulate for `seconds`, with time steps of `ms` milliseconds, and return the rig.
 
         If the first message is not sent at step 0, repeat the simulation from step 1: then an answer that counts steps
-        sends at the same steps as the solution.
+        publishes at the same steps as the solution.
         """
         for begin in begins:
             rig = self.scene(trial, time_step=ms / 1000, **options)
@@ -141,7 +141,7 @@ class Publishing:
         return rig
 
     def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Run:
-        """Observe the content of the messages, or another property of them."""
+        """Observe the content of the messages, or whatever `look` returns for them."""
         return lambda trial: self.held(self.play(trial, seconds, **options), look)
 
     def held(self, rig: Rig, look: Look | None = None) -> Any:
@@ -150,7 +150,7 @@ class Publishing:
         return (look or self.content)(rig, sent) if sent else NOTHING
 
     def topics(self, namespace: str) -> Run:
-        """Observe the topic on a node in a namespace."""
+        """Observe which topic the answer uses on a node in the given namespace."""
 
         def run(trial: Trial) -> str:
             node = self.scene(trial, namespace=namespace).node
@@ -161,7 +161,7 @@ class Publishing:
         return run
 
     def rate(self, ms: float) -> Run:
-        """Observe how often a message is sent, with time steps in milliseconds."""
+        """Observe how often a message is sent, with time steps of `ms` milliseconds."""
         return lambda trial: self.often(self.play(trial, 4.3 / self.hz, ms))
 
     def often(self, rig: Rig) -> Any:
@@ -180,7 +180,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Return whether messages were sent from the start, and at the right rate up to rounding to whole steps."""
+        """Return whether messages were sent from the start, and at the right rate, rounded to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
@@ -195,7 +195,7 @@ class Publishing:
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, trial: Trial, **options: Any) -> Any:
-        """Observe the messages after a restart of the simulation, ten periods later."""
+        """Observe the messages after the simulation has been restarted, ten periods after its first start."""
         rig = self.scene(trial, time_step=0.01, **options)
         for begin in (0, 1000 // self.hz):
             rig.sent.clear()
@@ -234,10 +234,10 @@ class Publishing:
 
 
 def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any], str]) -> Any:
-    """Return a description of the first wrong value, with all values; or `right` if no value is wrong.
+    """Return a description of the first wrong value together with all values, or `right` if no value is wrong.
 
     Args:
-        pairs: the sent values, each with the expected value.
+        pairs: the values that were sent, each paired with the expected value.
         right: the result if no value is wrong.
         word: describes a value.
     """

@@ -21,7 +21,7 @@ def ros_node() -> Iterator[Any]:
 
 
 def send(node: Any, topic: str, message: Any, done: Callable[[], object]) -> None:
-    """Publish a message for the learner's subscription, and wait for its effect.
+    """Publish a message to the learner's subscription, and wait until the message has an effect.
 
     Args:
         node: the learner's node.
@@ -30,7 +30,7 @@ def send(node: Any, topic: str, message: Any, done: Callable[[], object]) -> Non
         done: returns whether the message has had an effect.
 
     Raises:
-        TutorialError: the message does not arrive.
+        TutorialError: the message does not arrive, or has no effect.
     """
     publisher = node.create_publisher(type(message), topic, 10)
     wait(

@@ -13,7 +13,7 @@ from tutorial.checks.engine.verdict import Finding, Place, right, wrong
 
 
 def report(cases: Cases, answer: Any, seen: Observations, diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Yield a finding for each case, except for odd cases that are consequences of other cases.
+    """Yield a finding for each case, but skip wrong results whose cause another finding names.
 
     Args:
         cases: the cases of the exercise.
@@ -53,9 +53,10 @@ def finding_of(failure: Failure, answer: Any, cause: str | None = None, label: s
 
 
 def _cause(cases: Cases, answer: Any, seen: Observations, odd: Observation, why: Fault | Why) -> str:
-    """Return the sentence for a cause.
+    """Return the sentence that explains a cause.
 
-    If objects share state, the sentence explains this instead; for a known mistake, only if the state is on a class.
+    If the answer's objects share state, the sentence explains this sharing instead. For a known mistake, it does so
+    only if the state is stored on a class.
     """
     if isinstance(why, Fault):
         is_shared, sentence = "." in seen.changed, f"Most likely {why.cause}"

@@ -30,8 +30,8 @@ class Sent:
 
     Attributes:
         topic: the topic's full name.
-        step: the simulation step at which it was published; if a different thread published the message, the step of
-            its stamp.
+        step: the simulation step at which it was published; if a different thread published the message, the step
+            that the stamp corresponds to.
         stamp_ns: its stamp [ns]; 0 if the message has no header.
         message: a copy of the message.
     """
@@ -48,7 +48,7 @@ class Rig:
     Args:
         trial: the trial that the rig belongs to.
         before, after: called before and after `control`, at each step.
-        model: the body's model file without ``.xml``, or the model itself, as MJCF.
+        model: the name of the body's model file, without ``.xml``, or the model itself, as MJCF.
         name: the body's name.
         time_step: the duration of a simulation step [s].
         namespace: the node's namespace.
@@ -57,11 +57,11 @@ class Rig:
     Attributes:
         trial: the trial that the rig belongs to.
         learner: the learner's controller.
-        io: the argument of the controller's `initialize`, which holds the current step.
+        io: the object that the controller's `initialize` receives; it holds the current step.
         displayed, body: the displayed and the simulated body.
         node: the learner's node.
         sent: the published messages.
-        begun: the step of the last start.
+        begun: the step at which the simulation was last started.
         has_threads: whether any of the learner's threads were running at the last stop.
 
     Raises:
@@ -95,7 +95,7 @@ class Rig:
             getattr(self.learner, method)(*arguments)
 
     def start(self, step: int = 0) -> None:
-        """Start the simulation at a step, or restart it after `stop`."""
+        """Start the simulation at the given step, or restart it after `stop`."""
         self.begun = self.io.step = step
         self.do("initialize", self.io)
         noted = self.trial.noted
@@ -114,7 +114,7 @@ class Rig:
             self.io.step += 1
 
     def hear(self, message: Any) -> None:
-        """Deliver a message to the callback of every subscription to its type."""
+        """Deliver a message to the callbacks of all subscriptions that receive messages of its type."""
         for callback in self.node.listeners(message):
             self.trial.call(callback, message)
 

@@ -34,7 +34,7 @@ class SharedState:
         self._before = self._now()
 
     def changed(self) -> str:
-        """Return the first changed object's name, as the learner writes it; empty if nothing has changed."""
+        """Return the name of the first object that has changed, as the learner writes it; "" if nothing has changed."""
         return next((name for name, value in self._now().items() if self._before.get(name, _NEW) != value), "")
 
     def _now(self) -> dict[str, object]:
@@ -57,7 +57,7 @@ def cause_of_sharing(answer: Any, name: str) -> str:
 
 
 def outside(answer: Any) -> Iterator[tuple[str, Any]]:
-    """Yield all values that outlive an answer's objects or belong to the notebook, with their names."""
+    """Yield the names and values of everything that outlives an answer's objects or belongs to the notebook."""
     for kind in dict.fromkeys([*classes_of(answer), *_own_classes(answer)]):
         yield from _class_attributes(kind)
     for function in functions_of(answer):
@@ -86,7 +86,7 @@ def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def _names(code: CodeType) -> list[str]:
-    """Return the global names that a function's code uses, including nested functions. Attributes are not global."""
+    """Return the names of the globals, not of attributes, that a function and its nested functions use."""
     used = (each.argval for each in dis.get_instructions(code) if each.opname in ("LOAD_GLOBAL", "STORE_GLOBAL"))
     inner = (name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each))
     return [*used, *inner]
@@ -101,7 +101,7 @@ class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
 
 
 def pickled(value: Any) -> bytes:
-    """Pickle a value with everything that it refers to. A lock is unpickled as a new lock, which is not held."""
+    """Pickle a value with everything that it refers to. A lock is unpickled as a new, unlocked lock."""
     with io.BytesIO() as file:
         _Pickler(file).dump(value)
         return file.getvalue()

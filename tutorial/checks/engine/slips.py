@@ -14,7 +14,7 @@ Kind = Callable[[ast.AST], Slips]
 
 
 def slips(kind: Kind, source: str) -> Iterator[Fault]:
-    """Yield every possible slip of one kind in a source, the smallest parts first.
+    """Yield every possible slip of one kind in the source, starting with its smallest parts.
 
     Args:
         kind: `missing` for missing statements, `another` for wrong parts of statements.
@@ -78,7 +78,10 @@ def _other_numbers(node: ast.AST) -> Slips:
 
 
 def _changed_lines(source: str, part: Any, other: ast.AST) -> Edit:
-    """Replace the lines of a part, starting early enough to make the replaced lines unique in the source."""
+    """Return the edit that replaces the lines of a part.
+
+    The edit starts early enough to make the replaced lines unique in the source.
+    """
     lines = source.splitlines()
     begin, end = part.lineno - 1, part.end_lineno
     instead = f"({ast.unparse(other)})" if isinstance(part, ast.expr) else ast.unparse(other)

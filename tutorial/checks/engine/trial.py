@@ -20,7 +20,7 @@ CHANGED = (
 
 
 class Call:
-    """A call to one of the learner's methods that has not returned yet.
+    """An unfinished call to one of the learner's methods.
 
     Args:
         method: the method's name.
@@ -36,15 +36,15 @@ class Trial:
     Args:
         answer: the learner's class or function, or the solution, with or without mistakes in it.
         watched: the files whose code is observed; by default the files that contain the answer.
-        is_timed: whether the total time of all calls to a method is also limited.
+        is_timed: whether the check limits the total time of all calls to a method, and not only the time of each call.
         kept: objects of earlier trials that later trials can reuse.
 
     Attributes:
-        running: the calls that have not returned, by thread; the innermost call is the last.
+        running: the unfinished calls, by thread; each thread's innermost call comes last.
         noted: where the answer has used ``"sleep"``, ``"clock"``, ``"thread"``, ``"timer"`` or ``"touch"``.
-        clocks: by name, the times that the stopped clocks of `time` show to the answer; None while they run.
-        ahead: how far these clocks were advanced [s].
-        is_interleaved: whether the check interrupts the answer with another thread, which slows its calls down.
+        clocks: the times at which the answer's clocks were stopped, by the clock's name in `time`; None while they run.
+        ahead: how far the clocks have been advanced since they were stopped [s].
+        is_interleaved: whether another thread is interrupting the answer. Interrupted calls take longer.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Trial:
         """Call one of the learner's functions and return its result. Thread-safe.
 
         Raises:
-            Failure: the function raised an exception, or slept, which no method may do.
+            Failure: the function raised an exception, or slept although no method may sleep.
         """
         with self.calling(name_of(function)):
             return function(*arguments)
@@ -102,7 +102,7 @@ class Trial:
         """Run the learner's code as a call to the given method. Thread-safe.
 
         Raises:
-            Failure: the code raised an exception, or slept, which no method may do.
+            Failure: the code raised an exception, or slept although no method may sleep.
         """
         calls = self.running[threading.get_ident()]
         calls.append(Call(method))
@@ -128,7 +128,7 @@ class Trial:
     def note(self, what: str, frame: FrameType) -> None:
         """Record what the answer uses, such as ``"clock"``.
 
-        Record a sleep only on a thread that runs one of the learner's methods.
+        Record a sleep only if the current thread is running one of the learner's methods.
         """
         if what != "sleep" or self.running[threading.get_ident()]:
             self.noted.setdefault(what, self.place(walk_stack(frame)))
@@ -138,7 +138,7 @@ class Trial:
         """Stop the clocks of `time` for the answer.
 
         Args:
-            ahead: how far to advance them first [s].
+            ahead: how far ahead of the current time to stop the clocks [s].
         """
         self.clocks, self.ahead = {}, ahead
         try:
@@ -147,12 +147,12 @@ class Trial:
             self.clocks = None
 
     def place(self, stack: Iterable[tuple[FrameType, int]]) -> Place | None:
-        """Return the first line that is in a watched file, starting at the stack's innermost frame."""
+        """Return the first line that is in a watched file, searching outwards from the innermost frame."""
         found = ((frame.f_code, line) for frame, line in stack if frame.f_code.co_filename in self.watched)
         return next((Place(code.co_filename, line, code.co_name) for code, line in found), None)
 
     def reuse(self, make: Callable[..., Any], *arguments: Hashable) -> Any:
-        """Return ``make(*arguments)``. Only the first trial calls it; later trials get the same object."""
+        """Return ``make(*arguments)``. Only the first trial calls `make`; later trials get the same object."""
         key = make, *arguments
         if key not in self._kept:
             self._kept[key] = make(*arguments)

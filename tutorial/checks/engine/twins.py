@@ -27,7 +27,7 @@ class Twins:
 
     Args:
         cases: the cases, the solution and the known mistakes.
-        begin: begins a trial; see `Trial` for its arguments.
+        begin: begins a trial; see `Trial` for the arguments.
         seen: a cache of twins, and of observations of the twins and the solution.
     """
 
@@ -38,27 +38,28 @@ class Twins:
         self._begin, self._seen = begin, {} if seen is None else seen
 
     def expected(self, case: Case) -> Any:
-        """Return a case's observation of the solution."""
+        """Return the observation that a case makes of the solution."""
         if case.label not in self._seen:
             # The solution is known to use time and threads correctly, so its files need not be watched.
             self._seen[case.label] = case.run(self._begin(self.cases.solution, ()))
         return self._seen[case.label]
 
     def does(self, case: Case, *faults: Fault) -> Any:
-        """Return a case's observation of the solution with mistakes; None if the mistakes cannot be combined."""
+        """Return the observation that a case makes of the solution with mistakes; None if they cannot be combined."""
         if (case.label, faults) not in self._seen:
             twin = self.make(*faults)
             self._seen[case.label, faults] = twin and self.attempt(case, twin)
         return self._seen[case.label, faults]
 
     def shows(self, case: Case, fault: Fault) -> bool:
-        """Return whether a mistake by itself makes a case's observation wrong."""
+        """Return whether a mistake alone changes the observation that a case makes."""
         return not same(self.does(case, fault), self.expected(case))
 
     def attempt(self, case: Case, twin: Any) -> Any:
-        """Return a case's observation of a twin. The twin's output is discarded: the learner's code did not print it.
+        """Return the observation that a case makes of a twin.
 
-        Twins are not watched: interrupting all of them at every instruction would take too long.
+        The twin's output is discarded, because the learner's code did not print it. Twins are not watched, because
+        interrupting all of them at every instruction would take too long.
         """
         trial = self._begin(twin, (), False)
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
@@ -69,7 +70,7 @@ class Twins:
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:
-        """Return the solution with mistakes in it; None if one mistake removes the text that another one changes."""
+        """Return the solution with mistakes in it; None if one of them removes the text that another one changes."""
         if faults not in self._seen:
             self._seen[faults] = self._define(*faults)
         return self._seen[faults]

@@ -17,7 +17,7 @@ class Place:
     """A line of the learner's code.
 
     Attributes:
-        file: the name of the file or notebook cell in Python's code objects.
+        file: the name of the file or notebook cell, as in Python's code objects.
         line: the line number.
         function: the function that contains the line.
     """
@@ -64,7 +64,7 @@ class Verdict:
         findings: the findings in the order of the cases; root causes come before their consequences.
         notice: what to notice about a right answer.
         output: the lines that the learner's code printed.
-        advice: the last line for a wrong answer.
+        advice: the last line of the text if the answer is wrong.
     """
 
     findings: tuple[Finding, ...]

@@ -1,4 +1,4 @@
-"""A viewer: a learner's controller on a displayed body. Messages arrive on a different thread; posted calls wait."""
+"""A viewer: a learner's controller on a displayed body. Messages arrive on another thread; posted calls are queued."""
 
 import inspect
 import sys
@@ -57,7 +57,7 @@ class Viewer:
 
     Args:
         trial: the trial that the viewer belongs to.
-        model: the body's model file without ``.xml``.
+        model: the name of the body's model file, without ``.xml``.
         name: the body's name.
         node: a real node; None for a `MemoryNode`.
 
@@ -110,12 +110,12 @@ class Viewer:
         self._tell()
 
     def call_back(self, message: Any) -> None:
-        """Deliver a message on this thread."""
+        """Deliver a message on the calling thread."""
         for callback in self.node.listeners(message):
             self._run(callback, message)
 
     def drain(self, seconds: float = 0.0) -> None:
-        """Let time pass [s], and run the posted calls."""
+        """Let the given time [s] pass, and run the posted calls."""
         self.loop.advance(seconds)
         self._tell()
         if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
@@ -125,7 +125,7 @@ class Viewer:
         """Call `unconfigure`, drop the waiting calls, and describe where the body is afterwards.
 
         Args:
-            messages: messages that arrive just before, while the main thread is blocked.
+            messages: messages that arrive just before `unconfigure` is called, while the main thread is blocked.
         """
         self.shown.clear()
 
@@ -193,7 +193,7 @@ class Viewer:
         self._scope.call_latest(key, self._run, function, *arguments)
 
     def _tell(self) -> None:
-        """Raise the first stored failure, or a failure if the learner's code used the body on a different thread."""
+        """Raise the first stored failure, or a new one if the learner's code used the body on a different thread."""
         failures, self._failures = self._failures, []
         noted = self.trial.noted
         for failure in failures[:1]:

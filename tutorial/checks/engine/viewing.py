@@ -1,4 +1,4 @@
-"""Viewing: the cases shared by all exercises about viewers, and the steps from which they are built."""
+"""Viewing: the cases shared by all exercises about viewers, and the steps that cases consist of."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -33,11 +33,11 @@ PAST_THE_QUEUE = ("Your code probably posts a call directly to the event loop, s
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
-    """Make the `run` function of a case: perform steps, one after another, and join their observations.
+    """Make the `run` function of a case. It performs the steps one after another and joins their observations.
 
     Args:
         done: the steps.
-        viewer: makes the viewer for the steps from a trial: `Viewer` or a subclass.
+        viewer: makes the viewer for the steps, given a trial: `Viewer` or a subclass.
     """
 
     def run(trial: Trial) -> str:
@@ -48,7 +48,7 @@ def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
 
 
 def heard(*messages: Any) -> Step:
-    """Make a step that delivers messages one by one, and runs the calls that each of them posts."""
+    """Make a step that delivers messages one by one, and runs the posted calls after each message."""
 
     def step(viewer: Viewer) -> None:
         for message in messages:
@@ -108,7 +108,7 @@ def viewing(
         cases: the exercise's own cases, in order.
         post: the solution's statement that posts a call.
         may_ask_clock: whether an answer may read the computer's clock.
-        viewer: the class of the viewer for the cases.
+        viewer: the class of viewer that the cases use.
     """
 
     def on_ros(trial: Trial) -> str:
