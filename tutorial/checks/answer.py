@@ -44,7 +44,8 @@ STEP = 0.02  # [s]
 LONG_STEP = 1.2  # [s]
 ENOUGH = 1.0  # [s] within which a request has to be answered
 TIMEOUTS = 0.3, 0.7  # [s] the shortest and the longest wait that count as 0.5 s
-DISPLAYED, FIRST, DURING, BARREL = 3.33, 5.55, 9.99, 7.77  # [rad] angles that a right answer never reads
+# Angles that a right answer never reads [rad]
+DISPLAYED, FIRST, DURING, BARREL, STORED = 3.33, 5.55, 9.99, 7.77, 8.88
 
 ASK = "Have the simulation's thread read the joint for each request: self.ask(self.read, timeout=0.5)."
 READ = {
@@ -52,6 +53,7 @@ READ = {
     "The simulated body is io.body in initialize.",
     FIRST: f"Your code probably reads the joint only once, in initialize. {ASK}",
     DURING: f"Your code probably reads the joint on the executor's thread, in the middle of a step. {ASK}",
+    STORED: f"Your code probably stores the angle in control, where it is soon out of date. {ASK}",
     BARREL: "Your code probably reads a different joint. The turret's joint is TURRET_Y.",
 }
 """The likely cause of each wrong angle."""
@@ -98,18 +100,27 @@ class AngleServer(SimpleController):
 
 @contextmanager
 def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
-    """Simulate steps on a separate thread. The turret has the given angle [rad] only between two steps."""
-    done = threading.Event()
+    """Simulate steps on a separate thread. The turret has the given angle [rad] only between two steps.
+
+    Raises:
+        Failure: one of the learner's methods raised an exception.
+    """
+    done, failures = threading.Event(), list[Failure]()
 
     def run() -> None:
         bench.displayed.set_joint_positions({"TURRET_Y": DISPLAYED})
         bench.body.set_joint_positions({"TURRET_Y": FIRST, "TURRET_P": BARREL})
-        bench.do("initialize", ControllerIO(bench.body, 0.001))
-        while not done.is_set():
-            bench.body.set_joint_positions({"TURRET_Y": DURING})
-            done.wait(step)
-            bench.body.set_joint_positions({"TURRET_Y": angle})
-            bench.requests.run_waiting()
+        try:
+            bench.do("initialize", ControllerIO(bench.body, 0.001))
+            while not done.is_set():
+                bench.body.set_joint_positions({"TURRET_Y": STORED})
+                bench.do("control")
+                bench.body.set_joint_positions({"TURRET_Y": DURING})
+                done.wait(step)
+                bench.body.set_joint_positions({"TURRET_Y": angle})
+                bench.requests.run_waiting()
+        except Failure as failure:
+            failures.append(failure)
 
     thread = threading.Thread(target=run, name="simulation")
     bench.requests.open(thread)
@@ -120,6 +131,8 @@ def simulated(bench: Bench, angle: float, step: float = STEP) -> Iterator[None]:
         done.set()
         bench.requests.close()
         thread.join()
+        if failures:
+            raise failures[0]
 
 
 def read(name: str, *angles: float) -> Run:
@@ -146,7 +159,7 @@ def angle_from(bench: Bench, service: str, angle: float) -> str:
     number = float((re.search(r"-?\d+(\.\d+)?", said) or ["nan"])[0])
     known = {**READ, angle: FAILED if said.startswith("no") else FORMAT, math.degrees(angle): DEGREES}
     causes = [cause for value, cause in known.items() if abs(number - value) < 0.06]
-    causes += [EMPTY] * (said == "no: ") + [NEVER] * (not bench.timeouts)
+    causes += [EMPTY] * said.endswith(": ") + [NEVER] * (not bench.timeouts)
     if said != wanted and causes:
         raise Failure(service, Misuse(f"{said}; expected: {wanted}", causes[0]))
     return said
@@ -168,8 +181,9 @@ def late(trial: Trial) -> str:
 
 
 def left(trial: Trial) -> str:
-    """Observe what the controller leaves behind after `unconfigure`."""
+    """Observe what the controller leaves behind after a request and `unconfigure`."""
     with closing(Bench(trial)) as bench:
+        bench.ask("/Tank/angle")
         return bench.leave()
 
 

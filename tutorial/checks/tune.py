@@ -71,6 +71,11 @@ class TrackLimits(SimpleController):
         self.node.undeclare_parameter("turn")
 
 
+RCLPYS_OWN = "_on_parameter_event"  # the callback for use_sim_time, which every node has
+NO_CALLBACK = "In configure, add it with self.node.add_on_set_parameters_callback: no other kind of callback can refuse."
+RESULT = "In every case, return SetParametersResult(successful=True), or successful=False with a reason."
+
+
 def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
     """Observe whether the node accepts values, and the limits afterwards. All values in a dict are set together.
 
@@ -84,15 +89,18 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
         said = []
         with closing(Bench(trial)) as bench:
             callbacks = bench.node._on_set_parameters_callbacks
-            method = name_of(callbacks[0])  # the learner's, if there is one, or rclpy's own
+            method = name_of(callbacks[0])
+            if method == RCLPYS_OWN:
+                made = bench.created()
+                raise Failure("configure", Misuse(f"it adds no callback that can refuse; it creates {made}", NO_CALLBACK))
             callbacks += [lambda _: SetParametersResult(successful=False)] * vetoed
             for values in sets:
-                if "width" in values:
-                    bench.node.declare_parameter("width", 0.4)
                 given = [Parameter(name, value=value) for name, value in values.items()]
                 with trial.calling(method), warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # rclpy warns if the callback returns anything else
                     result = bench.node.set_parameters_atomically(given)
+                if "invalid type" in result.reason:
+                    raise Failure(method, Misuse("it returns no SetParametersResult", RESULT))
                 said.append("accepted" if result.successful else "refused")
                 if not result.successful and reason not in result.reason:
                     cause = f"The reason for refusing has to contain the sum of the new speed and turn: {reason}."
@@ -106,6 +114,8 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
 def limits(trial: Trial, bench: Bench) -> tuple[float, float]:
     """Return the learner's limits, which have to be the parameters' values."""
     with trial.calling("limits"):
+        if not callable(bench.learner.limits):
+            raise Misuse("it is no method", "Write it without @property: def limits(self):")
         returned = bench.learner.limits()
         try:
             speed, turn = map(float, returned)
@@ -120,7 +130,7 @@ def limits(trial: Trial, bench: Bench) -> tuple[float, float]:
 
 
 def described(trial: Trial) -> str:
-    """Observe the declared parameters, and whether any of them remain at the end."""
+    """Observe the declared parameters."""
     with closing(Bench(trial)) as bench:
         said = []
         for name in ("speed", "turn"):
@@ -135,8 +145,14 @@ def described(trial: Trial) -> str:
             parameter = bench.node.get_parameter(name)
             kind = parameter.type_.name.lower()
             said.append(f"{name} {parameter.value!r} ({kind}), {', '.join(ranges) or 'no range'}")
-            said += ["no description"] * (not descriptor.description)
-        return f"{', '.join(said)}; {bench.leave()}"
+            said += ["no description"] * (not descriptor.description) + ["read-only"] * descriptor.read_only
+        return ", ".join(said)
+
+
+def left(trial: Trial) -> str:
+    """Observe what is left after the controller has left the body."""
+    with closing(Bench(trial)) as bench:
+        return bench.leave()
 
 
 NUMBERS = (
@@ -153,18 +169,19 @@ ALONE = (
     "Then test the sum once."
 )
 CASES = [
-    Case("the parameters, until unconfigure", described,
-         "Declare both as doubles, with a value, a description and a range without a step size. In unconfigure, "
-         "remove the callbacks and undeclare both parameters.", crashes=True),
+    Case("the parameters", described,
+         "Declare both as doubles, with a value, a description and a range without a step size, in a list: "
+         "floating_point_range=[FloatingPointRange(from_value=0.0, to_value=2.0)]."),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "The callback probably expects both parameters in the list, refuses valid values, or returns no "
-         "SetParametersResult. If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
+         "The callback probably expects both parameters in the list, or refuses valid values. "
+         "If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
          "Your code probably refuses a sum of exactly 2.5, or tests each parameter separately. "
          "Refuse only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),
-         "Your code probably registers no callback, uses the initial value of speed, or compares the sum with a "
-         "different limit. Add the new turn to the current speed."),
+         "Your code probably uses only the values in the list, or the initial or current values instead of new ones, "
+         "or compares the sum with a different limit. Add the new turn to the current speed, and refuse a sum above "
+         "2.5."),
     Case("turn 1.5, then speed 2.0", tried({"turn": 1.5}, {"speed": 2.0}, reason="3.5"),
          "Your code probably uses the initial value of turn, or tests the sum only if turn is in the list. "
          "Add the new speed to the current turn."),
@@ -172,8 +189,11 @@ CASES = [
     Case("turn 1.5, then speed 2.0 and turn 0.4 at once", tried({"turn": 1.5}, {"speed": 2.0, "turn": 0.4}), ALONE),
     Case("speed 2.0 and turn 0.6 at once", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
          "Your code probably tests each parameter separately. Test the sum once, with all new values."),
-    Case("a parameter that other code declared", tried({"width": 9.0, "turn": 0.7}),
-         "The callback probably expects only its own parameters in the list. Ignore other parameters.", crashes=True),
+    Case("a parameter that other code declared", tried({"width": 9.0, "turn": 0.7}, {"width": 1.0, "turn": 1.6}),
+         "The callback probably expects only its own parameters in the list, or returns as soon as it finds a different "
+         "one. Ignore all other parameters, and test the sum of speed and turn.", crashes=True),
     Case("speed 1.5, refused by a different callback", tried({"speed": 1.5}, vetoed=True)),
+    Case("after unconfigure", left,
+         "In unconfigure, remove the callback with remove_on_set_parameters_callback, and undeclare both parameters."),
 ]  # fmt: skip
 tune = Exercise("tune", __doc__, Cases(TrackLimits, CASES, [], ALONE, one_by_one=True))

@@ -131,6 +131,20 @@ class Cached(AngleServer):
         return Trigger.Response(success=True, message=f"{self.angle:.2f} rad")
 
 
+class AsksEarly(AngleServer):
+    def configure(self, config):
+        super().configure(config)
+        self.text = config.ask(self.read)
+
+
+class CreatesMore(AngleServer):
+    """Create a service for each request."""
+
+    def on_angle(self, request, response):
+        self.service = self.node.create_service(Trigger, "Tank/angle", self.on_angle)
+        return super().on_angle(request, response)
+
+
 SUCCESS, CATCHES = "response.success = True", "except RefusedError as refusal:"
 WRONG = [
     (
@@ -164,7 +178,16 @@ WRONG = [
     (Sampled, "reads the joint only once"),
     (Polls, "before anything fills it in"),
     (Later, "before anything fills it in"),
-    (Cached, "never call config.ask"),
+    (Cached, "stores the angle in control"),
     (Displayed, "reads the joint of the displayed body"),
+    (edited(answer, (ASK, "self.ask(self.read, 0.5)")), "as a keyword argument: timeout=0.5"),
+    (edited(answer, ("def on_angle", "async def on_angle"), (ASK, f"await {ASK}")), "Remove await"),
+    (edited(answer, ("_request: Trigger.Request, response", "response: Trigger.Request, _response")), "not have this field"),
+    (edited(answer, (ASK, f"len({ASK})")), "Set message to a text"),
+    (edited(answer, ('joint("TURRET_Y")', 'joint["TURRET_Y"]')), "Fix this line first"),
+    (edited(answer, ("self.node.destroy_service(self.service)", "self.node.destroy_node()")), "Destroy only what"),
+    (edited(answer, ("response.message = self", "print(self"), ("timeout=0.5)", "timeout=0.5))")), "before anything fills"),
+    (AsksEarly, "There is no request yet"),
+    (CreatesMore, "doesn't destroy the service"),
     (DisplayedOnly, "config.body is the displayed body"),
 ]

@@ -204,4 +204,6 @@ WRONG = [
     (edited(ask, ("self.node.destroy_service(self.service)", "pass")), LEFT),
     (edited(ask, ('"/pit_stop"', '"/pitstop"')), "with a different name or type"),
     (OnAThread, "Never wait or loop in a callback"),  # last, because its service stays until its thread ends
+    (edited(ask, ("call_async(Trigger.Request())", "call_async(Trigger)")), "can send only a Trigger.Request()"),
+    (edited(ask, ("CallbackGroup()", "CallbackGroup")), "MutuallyExclusiveCallbackGroup() creates a group"),
 ]

@@ -133,6 +133,23 @@ class Prefixed(TrackLimits):
         config.node.declare_parameters("Tank", [("speed", 1.0), ("turn", 0.5)])
 
 
+class Sets(TrackLimits):
+    """Set a parameter in the callback that checks parameters."""
+
+    def check(self, parameters):
+        self.node.set_parameters(parameters)
+        return super().check(parameters)
+
+
+class ReturnsEarly(TrackLimits):
+    """Accept everything that other code sets as well."""
+
+    def check(self, parameters):
+        if any(each.name not in ("speed", "turn") for each in parameters):
+            return SetParametersResult(successful=True)
+        return super().check(parameters)
+
+
 FIRST_TURN = ("self.limits()))", "(self.limits()[0], 0.5)))")
 IF_TURN = ("if total > 2.5:", "if total > 2.5 and 'turn' in [each.name for each in parameters]:")
 BOTH = ("if each.name in new})", "if each.name in new})\nnew = {each.name: each.value for each in parameters}")
@@ -143,17 +160,17 @@ WRONG = [
     (edited(tune, ('dict(zip(("speed", "turn"), self.limits()))', '{"speed": 1.0, "turn": 0.5}')), "the current speed"),
     (
         edited(tune, (" if each.name in new", ""), ('new["speed"] + new["turn"]', "sum(new.values())")),
-        "Ignore other parameters",
+        "Ignore all other parameters",
     ),
     (edited(tune, ('total = new["speed"] + new["turn"]', EACH)), "Your code probably uses only new values"),
     (edited(tune, ("> 2.5", "> 2.9")), "Test the sum once"),
     (edited(tune, (f", {REASON}", "")), "has to contain the sum of the new speed and turn: 3.5"),
     (
         edited(tune, ("return SetParametersResult(successful=True)", "return True")),
-        "returns no SetParametersResult",
+        "In every case, return SetParametersResult",
     ),
-    (edited(tune, ("return SetParametersResult(successful=True)", "pass")), "returns no SetParametersResult"),
-    (edited(tune, ("self.node.add_on_set_parameters_callback(self.check)", "pass")), "remove the callback"),
+    (edited(tune, ("return SetParametersResult(successful=True)", "pass")), "In every case, return"),
+    (edited(tune, ("self.node.add_on_set_parameters_callback(self.check)", "pass")), "no other kind of callback can refuse"),
     (edited(tune, (DECLARE, "self.node.declare_parameter(name, value)")), "a description and a range"),
     (edited(tune, ('("turn", 0.5)', '("turn", 1)')), "a description and a range"),
     (edited(tune, ("to_value=2.0", "to_value=5.0")), "a description and a range"),
@@ -175,6 +192,13 @@ WRONG = [
         ),
         "whose attribute value is the number",
     ),
+    (edited(tune, ("return SetParametersResult(successful=False, ", "raise ValueError((")), "raises this error itself"),
+    (edited(tune, ("self.check)\n\n    def limits", "self.check([]))\n\n    def limits")), "without parentheses"),
+    (edited(tune, ("    def limits", "    @property\n    def limits"), ("self.limits()", "self.limits")), "without @property"),
+    (edited(tune, ("limits = [FloatingPointRange(from_value=0.0, to_value=2.0)]", "limits = FloatingPointRange()")), "list"),
+    (edited(tune, ("description=f", "read_only=True, description=f")), "Declare both as doubles"),
+    (Sets, "calls its own method again"),
+    (ReturnsEarly, "returns as soon as it finds a different one"),
     (Prefixed, "with exactly this name"),
     (Stores, "stored too early"),
     (StoresAccepted, "stored too early"),

@@ -2,7 +2,9 @@
 
 import sys
 import time
+from collections import Counter, deque
 from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import chain
 from traceback import walk_stack, walk_tb
 from typing import Any
@@ -27,7 +29,12 @@ UNANSWERED = (
     "Await call_async in a coroutine, with the clients in a separate callback group."
 )
 SIGNATURE = "rclpy calls a service's callback with two arguments, the request and an empty response."
+FIELDS = "Set message to a text, and success to True or False."
+TOO_EARLY = "There is no request yet. Call config.ask in the callback, for each request."
+KEYWORD = "config.ask passes these arguments to the function. Pass the timeout as a keyword argument: timeout=0.5."
+THE_NODE = "config.node belongs to the whole program. Destroy only what your code has created on it."
 NO_RETURN = "You probably forgot return, or returned something else. A service's callback must return a response."
+REQUEST = "This client can send only a {0}.Request(). Create the client with the type Trigger, and call it with a request."
 HASTY = "Await each response before you call the next service."
 NOT_THERE = {
     "'Future'": "call_async returns a future, not the response. Write await before it, in a coroutine.",
@@ -35,6 +42,8 @@ NOT_THERE = {
     "Write await before it.",
     "'NoneType'": "There is no response yet: a future has no result until it is done, and call returns None after its "
     "timeout. Await call_async in a coroutine.",
+    "_Request' object": f"A request does not have this field. {SIGNATURE}",
+    "await": "This is already a result. Remove await: only the futures of call_async, and coroutines, can be awaited.",
 }
 """Likely causes of an exception, by a string in its text."""
 NO_LOOP = (
@@ -44,13 +53,21 @@ NO_LOOP = (
 
 
 class _Node(WatchedNode):
-    """A node that has at most one service call in progress."""
+    """A node that has at most one service call in progress, and that only the bench may destroy."""
 
+    is_used = True
     _future: Any = None
 
-    def _call_async(self, client: Any, call_async: Callable[..., Any], request: Any) -> Any:
+    def destroy_node(self) -> None:
+        if self.is_used:
+            raise Misuse("it destroys the program's node", THE_NODE)
+        super().destroy_node()
+
+    def _call_async(self, client: Any, call_async: Callable[..., Any], request: Any = None) -> Any:
         if self._future is not None and not self._future.done():
             raise Misuse(f"it calls {client.service_name} before the previous response has arrived", HASTY)
+        if not isinstance(request, client.srv_type.Request):
+            raise Misuse(f"it calls {client.service_name} with {request!r}", REQUEST.format(client.srv_type.__name__))
         self._future = super()._call_async(client, call_async, request)
         return self._future
 
@@ -69,6 +86,7 @@ class _Thread(SpinThread[_Node]):
         self.error = self.error or error
 
     def close(self) -> None:
+        self.node.is_used = False
         self._stopping.set()
         self._thread.join(self.timeout)
         if self._thread.is_alive():  # the learner's callback does not return: the thread ends with the process
@@ -103,17 +121,19 @@ class Bench:
 
     def __init__(self, trial: Trial, name: str = "Tank", **replies: str) -> None:
         self.trial, self.requests, self.asked, self.took = trial, RequestQueue(), list[str](), 0.0
-        self.timeouts = list[float]()
+        self.timeouts, self._posted, self._is_configured = list[float](), deque[Callable[[], object]](), False
         trial.is_timed = not replies  # configure may wait for the services, which rclpy checks every 0.25 s
         self._own, self._other = _Thread(_Node, f"tank_{id(trial)}"), _Thread(_Node, "other")
         self.node = self._own.node
         self.displayed, self.body = bodies(trial, "tank", name)
+        self.node.declare_parameter("width", 0.4)  # declared by other code
         self._before = self._made()
         try:
             self._serve(replies)
             with trial.calling("__init__"):
                 self.learner = trial.answer()
-            self.do("configure", ControllerConfig(self.displayed, self.node, _drop, _drop, self._ask_simulation))
+            self.do("configure", ControllerConfig(self.displayed, self.node, self._post, _drop, self._ask_simulation))
+            self._is_configured = True
             clients = [each for each in self.node.clients if each.service_name[1:] in replies]
             self._wait(lambda: all(map(self._know_each_other, clients)))
         except BaseException:
@@ -139,8 +159,18 @@ class Bench:
         self._wait(lambda: all(self.node.count_services(f"/{name}") for name in replies))
 
     def _ask_simulation(self, function: Callable[[*Ts], T], /, *arguments: *Ts, timeout: float = PATIENCE) -> T:
+        if not self._is_configured:
+            raise Misuse("it calls config.ask", TOO_EARLY)
         self.timeouts.append(timeout)
-        return self.requests.ask(function, *arguments, timeout=timeout)
+        try:
+            return self.requests.ask(function, *arguments, timeout=timeout)
+        except TypeError as error:
+            if not arguments:
+                raise
+            raise Misuse(f"it passes the arguments {arguments} to config.ask: {error}", KEYWORD) from error
+
+    def _post(self, function: Callable[..., object], /, *arguments: Any) -> None:
+        self._posted.append(partial(function, *arguments))
 
     def ask(self, service: str) -> str:
         """Make a request, and describe the response."""
@@ -164,7 +194,7 @@ class Bench:
 
     def created(self) -> str:
         """Name the services, clients, callbacks and parameters that the controller has created but not destroyed."""
-        return ", ".join(sorted(self._made() - self._before))
+        return ", ".join(sorted((self._made() - self._before).elements()))
 
     def close(self) -> None:
         """End all pending requests, and close both nodes."""
@@ -190,17 +220,19 @@ class Bench:
             return Failure(place.function, Misuse("it does not return", endless(place.function)), place)
         return Failure(service, Misuse("no response arrives", UNANSWERED))
 
-    def _made(self) -> set[str]:
+    def _made(self) -> Counter[str]:
         node = self.node
         callbacks = node._pre_set_parameters_callbacks, node._on_set_parameters_callbacks
-        names = {f"the service {each.service_name}" for each in node.services}
-        names |= {f"the client of {each.service_name}" for each in node.clients}
-        names |= {f"the callback {name_of(each)}" for each in chain(*callbacks, node._post_set_parameters_callbacks)}
-        return names | {f"the parameter {name}" for name in self.node.get_parameters_by_prefix("")}
+        names = [f"the service {each.service_name}" for each in node.services]
+        names += [f"the client of {each.service_name}" for each in node.clients]
+        names += [f"the callback {name_of(each)}" for each in chain(*callbacks, node._post_set_parameters_callbacks)]
+        return Counter(names + [f"the parameter {name}" for name in self.node.get_parameters_by_prefix("")])
 
     def _wait(self, condition: Callable[[], object]) -> bool:
-        """Wait until a condition holds. Return False after `LOOKS` checks, which take longer on a busy machine."""
+        """Run the posted calls until a condition holds. Return False after `LOOKS` checks."""
         for _ in range(LOOKS):
+            while self._posted:
+                self.trial.call(self._posted.popleft())
             if condition():
                 return True
             time.sleep(LOOK)
@@ -231,6 +263,8 @@ def _unsent(error: BaseException) -> Failure:
         return Failure("a callback", Misuse(f"calling it raises {type(error).__name__}: {error}", SIGNATURE))
     service, returned = frame.f_locals["self"], frame.f_locals["response"]
     method, kind = name_of(service.callback), type(returned).__name__
+    if isinstance(returned, service.srv_type.Response):
+        return Failure(method, Misuse(f"rclpy cannot send {returned}", FIELDS))
     if returned is None:
         return Failure(method, Misuse("it returns None", NO_RETURN))
     return Failure(method, Misuse(f"it returns a {kind}", NOT_THERE.get(f"'{kind}'", NO_RETURN)))

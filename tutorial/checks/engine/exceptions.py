@@ -37,6 +37,7 @@ _UNSET = "Your code probably reads it before it is set: "
 _LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as the subscription exists."
 _CLASS = "You probably forgot the parentheses: {0} is the class, and {0}(...) creates an object."
 _GENERAL = "Fix this line first. The check stopped here."
+_RAISES = "Your code raises this error itself, and nothing catches it. Report a problem in the result that you return."
 _CAUSES = {
     r"RuntimeError: .*event loop": "Your code probably uses the event loop outside of the main thread. Post a call, "
     "self.call_later(self.update, message): the posted call can use the loop.",
@@ -46,8 +47,12 @@ _CAUSES = {
     "is not a message. Convert it to a message: Time(nanoseconds=self.io.time_ns).to_msg().",
     r"ParameterNotDeclaredException": "No parameter with this name is declared yet. Each declaration also calls the "
     "callbacks, so add your callback after all declarations.",
-    r"TypeError: the first argument must be callable": "Your code probably calls the function immediately. Pass it "
-    "without parentheses, as in self.ask(self.read).",
+    r"RecursionError": "This line calls its own method again, directly or through a callback, and so on without end.",
+    r"TypeError: 'FloatingPointRange' object": "The range is a list: floating_point_range=[FloatingPointRange(...)].",
+    r"TypeError: .*must be callable": "Your code probably calls the function immediately. Pass it without parentheses, "
+    "as in self.ask(self.read).",
+    r"TypeError: CallbackGroup\.\w+\(\) missing": "You probably forgot the parentheses: "
+    "MutuallyExclusiveCallbackGroup() creates a group.",
     r"TypeError: unsupported format string passed to NoneType": "The number is None: the function that computes it "
     "probably lacks return.",
     r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be a key in a dict. Use a tuple of numbers, or a name.",
@@ -79,7 +84,19 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     causes += [cause.format(*found.groups()) for each, cause in _CAUSES.items() if (found := re.match(each, text))]
     if owner is not None:
         causes.append(_what_there_is(owner, name))
+    if _is_raised_by(error, answer):
+        causes.append(_RAISES)
     return next(filter(None, causes), _GENERAL)
+
+
+def _is_raised_by(error: BaseException, answer: Any) -> bool:
+    """Return whether one of the learner's own ``raise`` statements has raised an exception."""
+    last = error.__traceback__
+    while last is not None and last.tb_next is not None:
+        last = last.tb_next
+    if last is None or last.tb_frame.f_globals.get("__name__") != answer.__module__:
+        return False
+    return dis.opname[last.tb_frame.f_code.co_code[last.tb_lasti]] == "RAISE_VARARGS"
 
 
 def _programs(answer: Any) -> str:
