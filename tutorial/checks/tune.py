@@ -84,14 +84,14 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
         said = []
         with closing(Bench(trial)) as bench:
             callbacks = bench.node._on_set_parameters_callbacks
-            method = name_of(callbacks[0])  # the learner's, if there is one, or rclpy's own
+            method = name_of(callbacks[0])  # the learner's callback if there is one, or rclpy's own
             callbacks += [lambda _: SetParametersResult(successful=False)] * vetoed
             for values in sets:
                 if "width" in values:
                     bench.node.declare_parameter("width", 0.4)
                 given = [Parameter(name, value=value) for name, value in values.items()]
                 with trial.calling(method), warnings.catch_warnings():
-                    warnings.simplefilter("ignore")  # rclpy warns if the callback returns anything else
+                    warnings.simplefilter("ignore")  # rclpy warns if the callback's result has the wrong type
                     result = bench.node.set_parameters_atomically(given)
                 said.append("accepted" if result.successful else "refused")
                 if not result.successful and reason not in result.reason:

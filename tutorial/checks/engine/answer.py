@@ -22,7 +22,7 @@ _HELP = {"initialize": " It gets the simulated body: io.body. In configure, conf
 """By a method's name, what the learner needs to know to write it."""
 
 _OURS = ("builtins", "tutorial.controller")
-_ENGINE = "tutorial.checks.engine."  # functions from here can be part of an answer's class
+_ENGINE = "tutorial.checks.engine."  # functions from these modules can be part of an answer's class
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
