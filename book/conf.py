@@ -8,7 +8,7 @@ from typing import Any
 
 BOOK = Path(__file__).parent
 sys.path[:0] = [str(BOOK.parent), str(BOOK)]
-sys.modules["rfc3987_syntax"] = None  # block this import, which takes a second, because no page needs it
+sys.modules["rfc3987_syntax"] = None  # block this import: it takes a second, and no page needs it
 
 # ruff: noqa: E402
 from docutils.nodes import SkipNode

@@ -18,7 +18,7 @@ WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageVie
 """Matches the beginning of a saved widget's text output."""
 
 LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this length
-MOVED = 0.1  # [rad]; if joints have moved less, the picture looks the same
+MOVED = 0.1  # [rad]; if the joints have moved less than this, the picture looks the same
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
 IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
 BESIDE = "<p><em>In the notebook, there is {} next to this picture.</em></p>"
@@ -51,7 +51,7 @@ class _Kept:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._parts: list[list[str]] = []  # the saved parts, by number and place
+        self._parts: list[list[str]] = []  # the saved parts of each row
         self._programs: dict[Any, Any] = {}
         self._running: dict[Any, tuple[list[str], int, Any]] = {}
         self._telling: dict[Any, float] = {}

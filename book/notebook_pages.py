@@ -32,7 +32,7 @@ def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
         _put_in_place(notebook, kept / path.stem)
         text = json.dumps(notebook, ensure_ascii=False)
         page = pages / path.name
-        if not page.is_file() or page.read_text(encoding="utf-8") != text:  # Sphinx rebuilds newer pages
+        if not page.is_file() or page.read_text(encoding="utf-8") != text:  # rewriting a page makes Sphinx rebuild it
             page.write_text(text, encoding="utf-8")
 
 

@@ -107,7 +107,7 @@ class RobotStatePublisher(Viewer):
 
     def _transform(self, joint: str, position: float, ns: int) -> bool:
         """Store a transform as tf2 does, and return whether tf2 complains."""
-        if not isfinite(position):  # the sine of an infinite angle is NaN, too
+        if not isfinite(position):  # the sine of an infinite angle is NaN
             return True
         if ns >= self._shown_ns.get(joint, 0):
             self._shown_ns[joint] = ns

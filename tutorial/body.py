@@ -325,7 +325,7 @@ class Body:
     def twist(self) -> NDArray[np.float64]:
         """A copy of the root's velocity along its own axes: linear [m/s], then angular [rad/s], shape (6,)."""
         linear, inverse = np.empty(3), self._root.wxyz * (1.0, -1.0, -1.0, -1.0)
-        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # MuJoCo's velocity is along the world's axes
+        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # the linear velocity is in the world frame
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def reset(self) -> None:

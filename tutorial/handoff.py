@@ -119,7 +119,7 @@ class CallQueue:
             replaced = self._waiting.get(key)
             if replaced is not None:
                 call.take_place_of(replaced)
-            self._waiting[key] = call  # a new key is added at the end, a known key does not move
+            self._waiting[key] = call  # a new key is added at the end; a known key keeps its place
         self._warn_if_busy()
 
     def _request_turn(self) -> bool:
@@ -267,7 +267,7 @@ class RequestQueue:
             refused = self._waiting
             self._waiting = []
         for answer, _ in refused:
-            if answer.set_running_or_notify_cancel():  # its caller has not given up
+            if answer.set_running_or_notify_cancel():  # the caller has not given up
                 answer.set_exception(RefusedError(reason))
 
     def ask(self, function: Callable[[*Ts], T], /, *args: *Ts, timeout: float = PATIENCE) -> T:
@@ -292,7 +292,7 @@ class RequestQueue:
             self._waiting.append((answer, partial(function, *args)))
         wait([answer], timeout)
         # cancel() settles the race: it returns False if the simulation's thread has already begun the request.
-        if answer.cancel():  # the request has not begun, and never will
+        if answer.cancel():  # the request will never begin
             raise RefusedError(f"the simulation did not finish its step within {timeout:g} s.")
         if not answer.done():
             raise RefusedError(f"the request was started, but did not return within {timeout:g} s.")
@@ -307,7 +307,7 @@ class RequestQueue:
             requests = self._waiting
             self._waiting = []
         for answer, request in requests:
-            if answer.set_running_or_notify_cancel():  # its caller has not given up
+            if answer.set_running_or_notify_cancel():  # the caller has not given up
                 try:
                     answer.set_result(request())
                 except (Exception, SystemExit) as error:  # noqa: BLE001 - the caller of `ask` gets it

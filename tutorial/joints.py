@@ -26,11 +26,13 @@ PAUSE_NS = 10 * SECOND_NS  # [ns] the longest allowed pause between messages fro
 SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which can still represent its square
 SLACK = 1e-3  # [rad or m] a range can be exceeded by this much without a report, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
-# A jump ends near the position before last, or near a rival's, if it misses it by less than this part of its length.
+# A jump counts as a jump back to the position before last, or as a jump to a rival's position, if it misses that
+# position by less than this fraction of its length.
 NEAR, NEAR_RIVAL = 1 / 5, 1 / 3
-COUNT_EVERY = 10  # messages between counts of the publishers, as long as there is only one
+COUNT_EVERY = 10  # messages between counts of the publishers while there is only one
 SILENT_AFTER = 25  # dropped messages in a row, per rival, before the followed publisher counts as silent
-SHARED_AFTER, CANCELLED = 60, 1 / 4  # jumps back that mark a joint as shared; each other jump cancels 1/4 jump back
+# After this many jumps back, a joint counts as shared. Any other jump cancels this fraction of a jump back.
+SHARED_AFTER, CANCELLED = 60, 1 / 4
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -85,7 +87,7 @@ class Arrival(Enum):
     """How a message follows the previous ones. If the joints' values differ, the report has the one listed last."""
 
     NEXT = ""  #: the publisher's next message
-    RESTARTED = "the publisher was restarted"  #: its stamp jumps far back
+    RESTARTED = "the publisher was restarted"  #: the message's stamp jumps far back
     SWITCHED = "the publisher was restarted or is silent, and the viewer follows a different one"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed
@@ -206,7 +208,7 @@ class _Track:
 
     positions: Mapping[str, float]  # the positions in that message; some of these joints may have moved since
     stamp_ns: float  # the message's; -inf before the first message
-    dropped: int = 0  # the number of rivals' messages dropped in a row since then
+    dropped: int = 0  # the number of rivals' messages dropped in a row since that message
 
 
 class _Publishers:
@@ -223,7 +225,7 @@ class _Publishers:
         self._count_publishers, self._last_count = count, 0
         self._until_recount = 0  # messages until the publishers are counted again
         self._groups: list[set[str]] = []  # separate sets of joints that are published together
-        self._rival_positions: dict[str, float] = {}  # where a rival last had each joint
+        self._rival_positions: dict[str, float] = {}  # each joint's last position from a rival
         self._history: dict[str, tuple[float, float, float]] = {}  # last position, position before last, jumps back
 
     def alone(self) -> bool:
@@ -249,7 +251,7 @@ class _Publishers:
             return Arrival.NEXT
         track.dropped += 1
         switches = track.dropped >= SILENT_AFTER * rivals  # immediately if no rival is left
-        rival = track.positions if switches else positions  # the publisher that is not followed is now the rival
+        rival = track.positions if switches else positions  # whichever publisher is not followed now is the rival
         self._rival_positions |= {joint: rival[joint] for joint in positions}
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
 

@@ -31,7 +31,7 @@ class State(Enum):
     """The state of a `Simulation`, whose docstring contains the table of transitions."""
 
     IDLE = "idle"  #: not being stepped; ready to step
-    RUNNING = "running"  #: a thread steps it: its own thread, or the thread that called `Simulation.advance`
+    RUNNING = "running"  #: stepped by its own thread, or by the thread that called `Simulation.advance`
     FAILED = "failed"  #: stopped by a controller's exception, `Simulation.error`; can be stepped again
     ABANDONED = "abandoned"  #: stopped permanently: a controller does not return, and may still change its body
 
@@ -160,7 +160,7 @@ class Simulation:
             raise
         finally:
             self._end(run, error)
-        if run.abandoned:  # by a thread that waited for it in stop() or release()
+        if run.abandoned:  # by a thread that waited for the run in stop() or release()
             self._check_abandoned()
         if not is_complete:
             raise TutorialError(f"another thread stopped advance({seconds}) at {self.time:.3f} s. Call it again.")
@@ -307,7 +307,7 @@ class Simulation:
         """Step so that simulated time follows real time. The origin is fixed, so that delays don't accumulate."""
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
-            sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because the end of any simulation resets it
+            sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because the end of any simulation resets the interval
             due = pace.steps_due(self.step)
             if last_step is not None:
                 due = min(due, last_step - self.step)

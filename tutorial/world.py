@@ -97,7 +97,7 @@ def _read(placement: Placement) -> mujoco.MjSpec:
     """Read a model (an MJCF file, a URDF or a line), and remove the geoms to omit."""
     path = placement.model
     try:
-        str(path).encode()  # MuJoCo accepts only names in UTF-8
+        str(path).encode()  # MuJoCo accepts only file names in UTF-8
         with no_python_warnings():
             spec = read_line(path) or read_urdf(path) or mujoco.MjSpec.from_file(str(path))
     except FAILS as error:

@@ -113,7 +113,7 @@ MEANING = ("Compare your steps with these: move and clamp q_ref, compute both sp
            "joint.effort to 200 * (q_ref - q) + 50 * (dq_ref - dq), unclamped.")  # fmt: skip
 POSITION = "Your code probably sets joint.position to the result. A motor needs a torque: set joint.effort."
 
-NARROW = (-0.1700001, 0.7800001)  # [rad]; slightly more than a whole number of moves from the cases' starting angles
+NARROW = (-0.1700001, 0.7800001)  # [rad]; just over a whole number of moves away from the cases' starting angles
 
 
 Range = tuple[float, float]  # [rad]

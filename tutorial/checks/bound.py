@@ -64,7 +64,7 @@ LONG = "it takes far longer than for four axes"
 STEPS = 1000  # the maximum number of executed lines plus axes read; four axes need fewer than 100
 FOUR = (0.5, -0.625, 0.75, -1.0)
 MILLION = 1_000_000
-BYTES = MILLION // 2  # the limit on an answer's memory, less than one byte per axis
+BYTES = MILLION // 2  # memory limit for an answer: less than one byte per axis
 
 
 def given(*axes: float) -> Run:

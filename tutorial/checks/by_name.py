@@ -69,7 +69,7 @@ KEPT = "Your code probably reuses one dict in all calls, such as a default argum
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
 CRANE = ("SLEW", "BRIDGE", "LUFF")
 ALMOST = ("turret_y", "Tank/TURRET_P", " HATCH", "TURRET", "", "HATCH_2")
-EARLIER = 0.777  # [rad]; the position of every joint in an earlier message, which must not appear in the result
+EARLIER = 0.777  # [rad]; every joint's position in an earlier message; it must not appear in the result
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:

@@ -49,7 +49,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 Vector = tuple[float, float, float]
 
 HEIGHT = 0.1  # [m]
-PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # [m]; if you add 0.1 and subtract it, rounding changes these numbers
+PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # [m]; adding and then subtracting 0.1 changes these numbers by a rounding error
 OTHER_PLACE = (-1.1, 0.7, 0.3)
 BLOW, OTHER_BLOW, HARMLESS = (25.0, 25.0, 9.8), (-21.0, 3.0, 9.8), (1.0, 2.0, 9.8)  # [m/s^2]
 STOOD = "where it stood"

@@ -38,7 +38,7 @@ from tutorial.joints import match_joints
 
 BURST = 50
 MOST = (
-    10_000  # the maximum number of instructions that a method may execute; the other thread interrupts at each of them
+    10_000  # maximum number of instructions that a method may execute; the other thread interrupts it at each of them
 )
 BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 

@@ -16,7 +16,7 @@ from typing import Any
 import msgspec
 
 FILE = ".tank_progress.json"
-VARIABLE = "TANK_PROGRESS"  # set it to use a different file, for tests
+VARIABLE = "TANK_PROGRESS"  # environment variable for the path of a different file, in tests
 LARGEST = 2**20  # [bytes], a thousand times the usual size
 
 

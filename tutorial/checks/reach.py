@@ -95,7 +95,7 @@ MEANING = ("Compare your code with this: one subscription to /robot/joint_state 
 ELSEWHERE = "Publish each message immediately, and only in on_joint_state."
 SHARED = "Your subscription uses this profile, too. Make a new QoSProfile for the publisher."
 ROBOT, WALL = "/robot/joint_state", "/wall/joint_state"
-OFFERED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)  # a new profile: an answer can change rclpy's
+OFFERED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)  # an answer can change rclpy's own profile
 ASKED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

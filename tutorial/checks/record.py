@@ -118,7 +118,7 @@ class Surroundings:
         self.keeps = self.hurries = False
         self.listens = self.is_open = self.rests = True
         self.failure: Failure | None = None
-        self.ended_by: Thread | None = None  # the thread that took None
+        self.ended_by: Thread | None = None  # the thread that took None from the queue
         self.begun, self.turn = SimpleQueue[None](), SimpleQueue[None]()
         self.thread = Thread(target=self.run, daemon=True)
         clock = Namespace(now=lambda: Time(nanoseconds=9))

@@ -97,7 +97,7 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
             for values in sets:
                 given = [Parameter(name, value=value) for name, value in values.items()]
                 with trial.calling(method), warnings.catch_warnings():
-                    warnings.simplefilter("ignore")  # rclpy warns if the callback returns anything else
+                    warnings.simplefilter("ignore")  # rclpy warns if the callback's result has the wrong type
                     result = bench.node.set_parameters_atomically(given)
                 if "invalid type" in result.reason:
                     raise Failure(method, Misuse("it returns no SetParametersResult", RESULT))

@@ -64,12 +64,13 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
         "ServerApp.allow_root": True,  # in a container, root is the only user
         "ServerApp.allow_origin_pat": _forwarded_origin(),
-        "ServerApp.max_body_size": 64_000_000,  # [bytes] limit, even before authentication; notebooks are smaller
+        "ServerApp.max_body_size": 64_000_000,  # [bytes] per request, even before authentication; notebooks are smaller
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
         "ServerApp.answer_yes": True,  # a single Ctrl-C stops the server
         "Application.log_level": "ERROR",
-        "LabApp.news_url": None,  # otherwise it asks each learner whether to show its news
-        **({"KernelManager.transport_encryption": "auto"} if zmq.has("curve") else {}),  # otherwise each kernel warns
+        "LabApp.news_url": None,  # otherwise, JupyterLab asks each learner whether to show its news
+        # Without encryption, each kernel logs a warning.
+        **({"KernelManager.transport_encryption": "auto"} if zmq.has("curve") else {}),
         **({} if in_hub else {"ServerApp.ip": "127.0.0.1"}),
     }
     program = "jupyterhub.singleuser" if in_hub else "jupyterlab"
@@ -94,7 +95,7 @@ def trust(folder: Path, **settings: str) -> None:
         folder: the folder of the notebooks.
         settings: settings of Jupyter's notary, for instance ``data_dir``.
     """
-    logging.getLogger("traitlets").setLevel(logging.WARNING)  # its info messages include the path of its key
+    logging.getLogger("traitlets").setLevel(logging.WARNING)  # the notary logs the path of its key as info
     notary = NotebookNotary(**settings)  # type: ignore[no-untyped-call]
     for path in sorted(folder.glob("[0-9]*_*.ipynb")):
         try:

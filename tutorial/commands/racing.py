@@ -52,7 +52,7 @@ SLOWEST = 0.2  # below this, a race ends early
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] the longest wait for a driver's publisher; imports are slow on a loaded machine
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
-LINES_KEPT, LONGEST_LINE = 50, 10_000  # of a driver's output; longer lines are cut into pieces
+LINES_KEPT, LONGEST_LINE = 50, 10_000  # number of output lines to keep, and the length at which lines are split
 MOST = 1_000_000  # maximum number of characters that a driver can print
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
 
@@ -78,7 +78,7 @@ class Entry:
     @property
     def warning(self) -> str:
         """A warning if the machine was too slow for a fair race; otherwise an empty string."""
-        if self.real_time >= SLOW or self.result.seconds < 1:  # a shorter race measures little else than its start
+        if self.real_time >= SLOW or self.result.seconds < 1:  # a shorter race measures little more than its start
             return ""
         return f"raced at {self.real_time:.2f} times real time: race again with nothing else running on this machine"
 
@@ -263,7 +263,7 @@ async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float
     """Run a race to its end. Return the reason for an early end, or "", and simulated time divided by real time."""
     simulation = host.simulation
     assert simulation is not None
-    simulation.advance(simulation.time_step)  # in lockstep: it waits for the first image, which also starts OpenGL
+    simulation.advance(simulation.time_step)  # in lockstep, this waits for the first image, and for OpenGL to start
 
     began, from_time = time.perf_counter(), simulation.time
     longest = referee.limit / SLOWEST

@@ -31,7 +31,7 @@ async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
     topics = {meter.topic for meter in host.node.meters}
     with named_node(f"_tank_bag_{os.getpid()}", ()) as thread, Recorder(thread.node, path, topics) as recorder:
         published = {meter.topic for meter in host.node.meters if meter.direction == "published"}
-        with suppress(TimeoutError):  # topics of unknown types are not recorded, as the log reports
+        with suppress(TimeoutError):  # topics of unknown types are not recorded; the log reports them
             async with asyncio.timeout(MEET_FOR):
                 while not all(
                     publisher.get_subscription_count() > 0 and recorder.hears(publisher.topic_name)

@@ -33,7 +33,7 @@ def prepare_output() -> None:
     handler = logging.StreamHandler()
     handler.setFormatter(_LogFormatter("[%(levelname)s] %(message)s"))
     logging.basicConfig(handlers=[handler], level=logging.INFO)
-    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at import, it logs every missing accelerator
+    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # PyOpenGL logs every missing accelerator when it is imported
 
 
 def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None) -> None:

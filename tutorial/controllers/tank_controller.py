@@ -39,11 +39,11 @@ class TankController(SimpleController):
         """Convert stick positions to track speeds [m/s] and joint torques [N.m]."""
         left_x, left_y, right_x, right_y = sticks(self.joy.get())
 
-        # forward at full stick is 2 m/s; full stick sideways makes one track 1 m/s slower and the other 1 m/s faster
+        # full stick forward is 2 m/s; full stick sideways makes one track 1 m/s slower and the other 1 m/s faster
         self.track_l.ctrl = 2.0 * left_y - left_x
         self.track_r.ctrl = 2.0 * left_y + left_x
 
-        self.turret.aim(-right_x)  # its axis points down, so a positive angle is a turn to the right
+        self.turret.aim(-right_x)  # the turret's axis points down, so a positive angle turns it to the right
         self.barrel.aim(right_y)
 
     def unconfigure(self) -> None:  # main thread

@@ -47,7 +47,7 @@ def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
     """Return the angles [rad] of a rotation (3, 3) about the fixed axes x, y and z, applied in this order."""
     (r00, r01, r02), (r10, r11, r12), (r20, _, _) = rotation[:, :3].tolist()
     yaw = 0.0 if hypot(r00, r10) < GIMBAL_LOCK else atan2(r10, r00)
-    cosine, sine = cos(yaw), sin(yaw)  # undone below, so that roll and pitch compensate for its rounding errors
+    cosine, sine = cos(yaw), sin(yaw)  # yaw is undone below, so roll and pitch compensate for its rounding errors
     roll = atan2(sine * r02 - cosine * r12, cosine * r11 - sine * r01)
     return roll, atan2(-r20, cosine * r00 + sine * r10), yaw
 

@@ -57,7 +57,7 @@ def read_line(path: Path) -> mujoco.MjSpec | None:
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=(*(start + end) / 2, HEIGHT / 2),
             quat=(np.cos(half_yaw), 0, 0, np.sin(half_yaw)),
-            size=((length + file.data.width / 4) / 2, file.data.width / 2, HEIGHT / 2),  # overlaps, to close the gaps
+            size=((length + file.data.width / 4) / 2, file.data.width / 2, HEIGHT / 2),  # boxes overlap to close gaps
             rgba=YELLOW,
             group=VISUAL,
             contype=0,

@@ -130,7 +130,7 @@ async def end_deadlock(node: WatchedNode) -> None:
     node.end_deadlocks()
     print_text("".join(f"{text}\n" for text in node.ended))
     thread = next(each for each in SpinThread.alive if each.node is node)
-    with suppress(TutorialError):  # an executor with several threads reports an exception with the next callback
+    with suppress(TutorialError):  # a multithreaded executor reports an exception only at the next callback
         await until(lambda: thread.error, timeout=1.0)
 
 

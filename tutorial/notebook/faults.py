@@ -14,7 +14,7 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.system.paths import HOME
 
-NAME = "fault"  # of the running program in the registry; only one program runs at any time
+NAME = "fault"  # the running program's name in the registry; only one program runs at a time
 
 
 async def start_fault(number: int, source: str | None = None) -> Command:

@@ -51,7 +51,7 @@ def prepare_process() -> None:
 
 def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool) -> None:
     printer.text(f"{coroutine.__qualname__} has not run yet: this call takes a while, so write await before it.")
-    coroutine.close()  # nothing can await it now; without this call, Python would warn about it later
+    coroutine.close()  # nothing can await the coroutine now; without this call, Python would warn about that later
 
 
 def _handle_comms_between_cells(lock: Any) -> None:

@@ -29,7 +29,7 @@ T = TypeVar("T")
 LONG_REST = 0.05  # [s] between batches of steps while no page is open, to save CPU time
 REST_AFTER = 300.0  # [s] without an open page before a running simulation is paused
 RESTS = "paused at %.1f s, after %d min without an open page: call start() to resume"
-LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses, such as while the user thinks
+LONGEST_PAUSE = 1.0  # [s]; replays shorten longer pauses to this length
 
 
 class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an error

@@ -69,7 +69,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         self.simulation: Simulation | None = None
         self._closed = False
         self._items: dict[str, Item] = {}
-        self._last_run: DisplayedRun | None = None  # stays None if the program simulates
+        self._last_run: DisplayedRun | None = None  # stays None if the program runs a simulation
         self._snapshot_time = 0.0  # simulated time of the snapshot that the displayed bodies show [s]
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._cameras = CameraRenderer()
@@ -81,7 +81,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             view.scene.catch_up = self._draw
         try:
             clock: list[tuple[str, SimpleController]] = [("", ClockPublisher(self.node))] if project.clock else []
-            for entry in project.bodies:  # messages arrive from now on; their posted calls wait for the event loop
+            for entry in project.bodies:  # messages arrive from now on; calls posted for them wait for the event loop
                 self._add(entry, simulates=project.time_step is not None)
             # Zoom in on the bodies, unless there are several and one of them, such as a laboratory, has no controllers.
             if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
@@ -96,7 +96,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     async def __aexit__(self, kind: object, *_: object) -> None:
         self.close()
-        ends_well = kind in (None, asyncio.CancelledError)  # any other error must not be masked
+        ends_well = kind in (None, asyncio.CancelledError)  # a new error must not mask any other error
         if ends_well and any(item.failed for item in self._items.values()):
             raise TutorialError("a controller failed in unconfigure(). The log shows where.")
 
@@ -197,7 +197,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self.simulation.stop()
         finally:
             self._cameras.close()
-            with self._ros.paused():  # waits first, so that callbacks with refused requests can respond
+            with self._ros.paused():  # waits until callbacks whose requests were refused have responded
                 for item in self._items.values():
                     item.close()
             self._calls.close()

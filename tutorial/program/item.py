@@ -51,7 +51,7 @@ class JointWatch:
         self._heard: dict[str, float] = {}  # when each joint last received a position
         self._contested_at = -CONTESTED_FOR  # when a rival's message last arrived
         self._asked_at = -COMPLAIN_EVERY
-        self._publishers = ""  # their names, for the line below the view
+        self._publishers = ""  # the publishers' names, for the line below the view
         body.on_change(self.take)
 
     def take(self, report: JointReport | None) -> None:

@@ -12,7 +12,7 @@ SPACING = 0.01  # [m] between the points of the line
 SAMPLE = 10  # check one point in this many for a cut corner
 PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
 PAUSE = 0.5  # [s] how long a contact must be interrupted before it counts again
-SKIPPED = 0.7  # [m] length of the line that a tank has to follow beyond a missed point until it has cut a corner
+SKIPPED = 0.7  # [m] a tank has cut a corner if it has followed the line for more than this beyond a missed point
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
 
 POINTS_LINE, POINTS_RAIL, POINTS_TIME, POINTS_CONTACT = 60.0, 20.0, 20.0, 5.0
@@ -96,12 +96,10 @@ class Race:
 
     def __init__(self, line: Iterable[Point], limit: float = LIMIT) -> None:
         self._points = _subdivided(line)
-        self._next = 0  # index of the first point that does not count yet
+        self._next = 0  # index of the first point that has not been counted yet
         self._first: int | None = None  # the value of _next at the start
         self._advanced_at = 0.0
-        self._skipped: set[int] = (
-            set()
-        )  # indices of points that the tank has come near, beyond the next one, since then
+        self._skipped: set[int] = set()  # indices of later points that the tank has come near since it last advanced
         self._touched_at: dict[str, float] = {}
         self._before: tuple[float, tuple[float, ...]] | None = None  # the last time and position
         self.result = Result(limit=limit)

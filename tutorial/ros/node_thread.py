@@ -116,7 +116,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         self.meters: list[TopicMeter] = []
         self._trace = trace
         super().__init__(*args, **kwargs)
-        self.meters.clear()  # rclpy's own topics, such as /parameter_events
+        self.meters.clear()  # removes the meters of rclpy's own topics, such as /parameter_events
 
     def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
         """Create a publisher, as rclpy does, and count its messages."""
@@ -292,7 +292,7 @@ class SpinThread(Generic[AnyNode]):
                 gone = gone + 1 if _met_what_is_destroyed(error) else 0
                 if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
-            self._unpaused.wait()  # otherwise, this thread would often acquire the lock again
+            self._unpaused.wait()  # otherwise, this thread would often reacquire the lock before `paused` gets it
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:

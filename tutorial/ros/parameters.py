@@ -166,7 +166,7 @@ async def _ask(node: Node, target: str, name: str, **fields: Any) -> Any:
         TutorialError: the node does not offer the service, or does not respond.
     """
     kind = "".join(map(str.capitalize, name.split("_")))
-    service = getattr(import_module("rcl_interfaces.srv"), kind)  # not at the top: the pocket ROS 2 lacks it
+    service = getattr(import_module("rcl_interfaces.srv"), kind)  # not at the top: the pocket ROS 2 lacks this module
     with client(node, service, f"{target}/{name}") as made:
         if not await is_ready(made, PATIENCE):
             text = "Wait for service timed out waiting for parameter services for node"

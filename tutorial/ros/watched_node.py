@@ -22,7 +22,7 @@ from rclpy.executors import SingleThreadedExecutor
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode
 
-KEPT = 2000  # the newest spans of a node
+KEPT = 2000  # number of a node's newest spans to keep
 
 Callback = Callable[..., Any]
 

@@ -33,7 +33,7 @@ def main() -> int:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
     for number in STOP_SIGNALS:
-        signal.signal(number, lambda *_: None)  # the command also receives it
+        signal.signal(number, lambda *_: None)  # the command also receives the signal
     signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
     threading.Thread(target=_watch, args=(process,), daemon=True).start()
     status = process.wait()

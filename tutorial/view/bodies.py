@@ -243,7 +243,7 @@ class View:
         self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables this, but a sky casts no shadow
         self._set("/Axes", "visible", False)
         self._draw_frame("", Frame(ODOM, 0, np.eye(4)), 1.0)
-        self._set("/Grid", "position", [0, 0, 0.003])  # at height 0 it would flicker against a floor
+        self._set("/Grid", "position", [0, 0, 0.003])  # at height 0, the grid would flicker against a floor
         self._set("/Grid/<object>", "color", [1, 1, 1, 0.4])
         self._set("/Cameras/default/rotated/<object>", "fov", 50)
         self.scene.look_at(*CAMERA)
@@ -268,7 +268,7 @@ class _Drawn:
     poses: _Poses
     arrows: tuple[Arrow, ...]
     paint: Paint
-    measures: bool = False  # whether its sensors have measured anything yet
+    measures: bool = False  # whether the body's sensors have measured anything yet
 
 
 class _Poses:

@@ -16,7 +16,7 @@ from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, advice
 
-TIMEOUT = 30.0  # [s] the longest wait for an image in lockstep; the first image also starts OpenGL
+TIMEOUT = 30.0  # [s] the longest wait for an image in lockstep; rendering the first image also starts OpenGL
 UNSET = (1, 1)  # [px] MuJoCo's resolution for a camera that sets none
 NO_PICTURES = "cameras do not work, but everything else does: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)

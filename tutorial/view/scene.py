@@ -120,7 +120,7 @@ class Scene:
             path = f"{path}/<object>"  # the viewer's name for the object
         key = (kind, path, message.get("property", ""))
         if kind == "delete" or (kind == "set_object" and key in self._kept):
-            self._forget(path)  # also its properties, which a new object does not inherit
+            self._forget(path)  # also forgets the old object's properties, which a new object does not inherit
         self._put(key, pack_record(Record.COMMAND, pack_command(message)), keep=kind != "delete")
 
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:

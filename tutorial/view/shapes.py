@@ -178,7 +178,7 @@ def _geometry(model: mujoco.MjModel, geom: int) -> tuple[Json, Matrix]:
 
 def _capsule(radius: float, half: float) -> Json:
     """Revolve a capsule's outline, because meshcat's three.js is older than CapsuleGeometry."""
-    angles = np.linspace(-np.pi / 2, np.pi / 2, 18)  # an even number, half of them for each end
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 18)  # an even number of angles, half of them for each end
     across = np.abs(radius * np.cos(angles))
     along = radius * np.sin(angles) + np.where(angles > 0, half, -half)
     return _lathe(np.column_stack([across, along]))

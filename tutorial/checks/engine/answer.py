@@ -24,7 +24,7 @@ _HELP = {
 """What the learner needs to know to write a method, by the method's name."""
 
 _OURS = ("builtins", "tutorial.controller")
-_ENGINE = "tutorial.checks.engine."  # functions from here can be part of an answer's class
+_ENGINE = "tutorial.checks.engine."  # functions from these modules can be part of an answer's class
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:

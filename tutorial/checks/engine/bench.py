@@ -248,7 +248,7 @@ def _from_callback(trial: Trial, error: BaseException) -> Failure:
     place = trial.place(reversed(frames))
     if place is None:
         return _unsent(error)
-    is_own = frames[-1][0].f_code.co_filename in trial.watched  # not raised by a function that it calls
+    is_own = frames[-1][0].f_code.co_filename in trial.watched  # the learner's code itself raised the exception
     cause = next((cause for part, cause in NOT_THERE.items() if is_own and part in str(error)), None)
     if "event loop" in str(error):
         cause = NO_LOOP

@@ -15,7 +15,7 @@ from tutorial.checks.engine.slips import another, missing
 from tutorial.checks.engine.twins import Twins
 from tutorial.errors import TutorialError
 
-LONGEST = 20.0  # [s] limit on trying mistakes, so that the check ends even on a busy machine
+LONGEST = 20.0  # [s] time limit for trying mistakes, so that the check ends even on a busy machine
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
 
 
@@ -24,7 +24,7 @@ class Why(Enum):
 
     CLOCK = auto()  # the answer reads the computer's clock
     MEANING = auto()  # see `Case.meaning`
-    CRASH = auto()  # the answer raised an exception, and the case's meaning explains it; the check stops here
+    CRASH = auto()  # the answer raised an exception that the case's meaning explains; the check stops here
     EXCEPTION = auto()  # the answer raised an exception that only its own message explains; the check stops here
 
 
@@ -146,7 +146,7 @@ class _Search:
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
         self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
         self._leading = [each for each in self._known if same(twins.does(self._last.case, each), self._last.value)]
-        # Odd cases come first, because a wrong candidate most likely differs there; then the fastest cases.
+        # Odd cases come first, because a wrong candidate most likely differs there. Each group begins with its fastest.
         self._quickest = sorted(seen, key=lambda each: (not each.is_odd, each.seconds))
 
     def single(self) -> Iterator[tuple[Fault, ...]]:

@@ -12,8 +12,9 @@ from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.memory_node import MemoryNode
 from tutorial.checks.engine.trial import Trial
 
-# A turn that needs the interrupted function's lock would never end, so the function waits for it only this often and
-# this long [s]. One long wait would also end for a turn that the machine, or Python's garbage collector, delays.
+# The other thread may need a lock that the interrupted function holds. So the function waits for the other thread's
+# turn only this many times, and this long [s] each time. A single long wait would also time out if the machine or
+# Python's garbage collector delayed the turn.
 WAITS, WAIT = 50, 0.001
 MESSAGES = 100  # messages that arrive while a controller is being configured, one at each instruction
 

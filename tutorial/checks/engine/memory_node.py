@@ -46,7 +46,7 @@ class Endpoint:
     def __init__(self, node: "MemoryNode", kind: type, topic: str, qos: Any, callback: Any = None) -> None:
         self.topic_name = expand_topic_name(topic, "tank", node.namespace)
         self.kind, self.callback, self.destroyed = kind, callback, False
-        self.qos = copy(qos) if isinstance(qos, QoSProfile) else QoSProfile(depth=qos)  # later changes have no effect
+        self.qos = copy(qos) if isinstance(qos, QoSProfile) else QoSProfile(depth=qos)  # an answer may change qos later
         self.depth = self.qos.depth
         self._node = node
 

@@ -1,6 +1,6 @@
 """Twins: copies of the solution with mistakes in them, and how they and the solution behave in the cases."""
 
-from __future__ import annotations  # also applies to compiled twins, because an edit can break an annotation
+from __future__ import annotations  # compiled twins inherit this import: an edit can break an annotation
 
 import asyncio
 import functools

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-WRONG_SHOWN = 2  # number of causes to show; later ones are often consequences of the first
+WRONG_SHOWN = 2  # number of causes to show; later causes are often consequences of the first
 OUTPUT_SHOWN = 20  # lines
 WIDTH = 200  # characters per line
 

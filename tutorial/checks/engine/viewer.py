@@ -118,7 +118,7 @@ class Viewer:
         """Let the given time [s] pass, and run the posted calls."""
         self.loop.advance(seconds)
         self._tell()
-        if len(self.calls) and not self.trial.is_interleaved:  # when interleaved, the other thread can post late
+        if len(self.calls) and not self.trial.is_interleaved:  # in an interleaved case, the other thread can post late
             raise Failure("the posted call", Misuse("every time it runs, it posts another call", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:

@@ -31,7 +31,7 @@ def main() -> NoReturn:
     notebook, seconds, is_sandboxed, *exercise = sys.argv[1:]
     os.set_inheritable(int(notebook), False)
     report = os.dup(1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards what an answer prints
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards the answers' output
     limit(int(seconds), is_sandboxed == "True")
     threading.Thread(target=_end_with_the_teacher, name="parent watch", daemon=True).start()
     known = {each.name: each for those in exercises().values() for each in those}
@@ -46,7 +46,7 @@ def _end_with_the_teacher() -> None:
     """Wait until the teacher's process closes stdin or exits, then kill this process and its children."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
-    os._exit(1)  # the sandbox's first process survives its own signal; when it exits, all other processes end
+    os._exit(1)  # a sandbox's first process survives its own SIGKILL, but its exit ends all other processes
 
 
 def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str, str]:

@@ -28,7 +28,8 @@ LIMITS = {
     resource.RLIMIT_CORE: 0,
 }
 PROCESSES = 256  # including threads
-FIRST_TO_GO = 'echo 1000 > /proc/self/oom_score_adj; exec "$@"'  # if memory runs out, the kernel kills these first
+# If memory runs out, the kernel kills the sandbox's processes first.
+FIRST_TO_GO = 'echo 1000 > /proc/self/oom_score_adj; exec "$@"'
 SECCOMP = "libseccomp.so.2"
 # The refused calls concern the kernel's keyrings, which namespaces don't isolate; memory that can exist without being
 # mapped; and modes of files outside the sandbox, such as /dev/null.
@@ -56,7 +57,7 @@ def sandbox(folder: str, file: Path | None = None) -> list[str]:
     bounded = [word for path in writable for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could write there
     return [
-        *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits hold for every process
+        *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so that the limits apply to every process
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
         *(*readable, *shared, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
     ]
@@ -88,7 +89,7 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():
-        with suppress(ValueError, OSError):  # macOS cannot limit the address space; a lower limit can already be set
+        with suppress(ValueError, OSError):  # macOS cannot limit the address space; a lower limit may already be set
             resource.setrlimit(what, (most, most))
     if is_sandboxed:
         _refuse()

@@ -105,7 +105,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             *(sandbox(folder) if is_sandboxed else ()),
             *(sys.executable, "-P", "-m", "tutorial.commands.checking._child"),
             *map(str, (file.fileno(), math.ceil(OUTLAST * limit), is_sandboxed, *exercise)),
-            stdin=asyncio.subprocess.PIPE,  # closing it tells the child that this process has exited
+            stdin=asyncio.subprocess.PIPE,  # the child ends when this process closes the pipe or exits
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
             limit=1 << 18,  # bytes per message
@@ -119,7 +119,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             async with asyncio.timeout(limit):
                 process = await asyncio.shield(starting)
                 assert process.stdout is not None
-                looking = asyncio.create_task(bound_memory(process.pid))  # also ends when the process does
+                looking = asyncio.create_task(bound_memory(process.pid))  # also ends when the process ends
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
                 looking.cancel()

@@ -12,7 +12,7 @@ WIDTH = 760  # [px]
 LEFT, RIGHT = 96, WIDTH - 24  # [px] ends of the time axis
 FIRST_LANE, LANE = 64, 62  # [px] y of the first lane, and the distance between lanes
 MARGIN = 0.06  # [s] to show before and after the callback
-LETTER = 7.5  # [px] width of a letter, at most
+LETTER = 7.5  # [px] maximum width of a letter
 STYLES = {
     "runs": f"stroke:{svg.INK};stroke-width:8",
     "await": f"stroke:{svg.ACCENT};stroke-width:2;stroke-dasharray:5 3",

@@ -70,7 +70,7 @@ class CellWidget(anywidget.AnyWidget):
 
     def close(self) -> None:
         """End the widget, and remove it from every page. Idempotent; main thread only."""
-        if self.comm is None:  # already closed, or its creation failed: Python also calls close() on such an object
+        if self.comm is None:  # already closed, or its creation failed: Python calls close() even then
             return
         self.end()
         layout = self.layout

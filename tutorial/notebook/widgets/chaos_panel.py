@@ -36,7 +36,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             slider.observe(self._on_share, "value")
         self._reset = Button(description="No faults", tooltip="Set all sliders to 0")
         self._reset.on_click(self._on_reset)
-        self._hits = HTML()  # unlike a Label, it wraps long lines
+        self._hits = HTML()  # unlike a Label, an HTML widget wraps long lines
         rows = [_row(*each) for each in self.sliders.items()]
         faults = VBox(rows, layout=Layout(height=HEIGHT, overflow="hidden auto", display="block"))
         super().__init__([HTML("Share of the messages that each fault affects:"), faults, self._reset, self._hits])

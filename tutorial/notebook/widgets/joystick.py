@@ -81,6 +81,6 @@ class Joystick(NodeWidget):
 
     def _publish(self) -> None:
         """Publish the state of the sticks. Runs on the node's thread; only the last call is on the main thread."""
-        with self._publishing:  # the last message has to be the neutral one
+        with self._publishing:  # so that the neutral message is the last one
             held = self._now()
             self._publisher.publish(joy_message(self._node, held.axes, held.buttons))

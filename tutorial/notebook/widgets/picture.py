@@ -36,7 +36,7 @@ class Picture(CellWidget):
 
     def show(self, svg: str, alt: str) -> None:
         """Replace the picture and its description. Main thread only."""
-        with self.hold_sync():  # one message for both
+        with self.hold_sync():  # sends both in one message
             self.svg, self.alt = svg, alt
 
 

@@ -23,7 +23,7 @@ class SceneView(FrameWidget):
         WrongThreadError: this is not the scene's thread.
     """
 
-    AHEAD = 60  # two seconds of a program's frames
+    AHEAD = 60  # as many frames as a program draws in two seconds
     _esm = read_static(*VIEW, "cell.js", "scene_view.js")
     _css = read_static("scene_view.css", "readings.css")
 

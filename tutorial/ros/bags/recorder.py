@@ -24,8 +24,8 @@ from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
 LOOK_EVERY = 0.1  # [s] between checks for new topics and received messages
-QUIET = 0.1  # [s] without messages, after which the recorder expects no more
-FLUSH_EVERY = 1.0  # [s]; if a recording is killed, messages of up to this time are missing
+QUIET = 0.1  # [s]; after this long without messages, the recorder expects no more
+FLUSH_EVERY = 1.0  # [s]; a recording that is killed lacks at most the messages from a period of this length
 DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum total size of the messages waiting to be written
 
@@ -167,8 +167,8 @@ class Recorder:
                         _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
         except OSError as error:
             self._fail(error)
-        except (RuntimeError, UnicodeDecodeError):  # the node is destroyed, or a name is not UTF-8,
-            return  # which the real rclpy cannot handle
+        except (RuntimeError, UnicodeDecodeError):  # the node is destroyed, or the real rclpy cannot decode a name
+            return
 
     def _subscribe(self, topic: str, types: list[str]) -> None:
         """Record a topic if it has a publisher.

@@ -21,7 +21,7 @@ UNFINISHED = {
     "-wal": "its -wal file cannot be read here. Copy both files to a folder that you can write to",
 }
 """Suffixes of the files that SQLite keeps next to a database, and what to report if it cannot use them."""
-BATCH = 100  # messages per batch; also the largest distance of a message from its correct position
+BATCH = 100  # messages per batch; a message may be this many places away from its correct position
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, or while decoding SQLite's error text
 
 
@@ -75,7 +75,7 @@ class SqliteWriter:
     def _run(self, statement: str, *values: Any) -> None:
         try:
             self._database.execute(statement, values)
-        except sqlite3.Error as error:  # callers handle it like a disk error
+        except sqlite3.Error as error:  # callers handle OSError, as for a full disk
             raise OSError(0, str(error)) from error
 
 

@@ -51,7 +51,7 @@ def programs() -> list[Program]:
     """Return this user's other programs that have network connections; on Linux only."""
     try:
         sockets = psutil.net_connections("inet")
-    except (psutil.Error, OSError):  # on macOS, only root can list them
+    except (psutil.Error, OSError):  # on macOS, only root can list connections
         return []
     domains: dict[int, list[int]] = {each.pid: [] for each in sockets if each.pid not in (None, os.getpid())}
     for each in sockets:

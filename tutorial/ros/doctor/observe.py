@@ -41,8 +41,8 @@ ALONE_AFTER = 1.0  # [s] without a publisher, after which the other domains are 
 READ_EVERY = 0.1  # [s] between two reads of the graph
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CLOCK = "/clock"
-# [s] how long messages that were sent earlier, and stored by their publisher, can still arrive; later, an old stamp
-# only shows that another clock is behind
+# [s] how long a publisher's stored messages can still arrive; after that, an old stamp only shows that another clock
+# is behind
 KEPT_FOR = 2.0
 MATCHED = 1000  # maximum number of joint states to match
 TOPICS = 300  # maximum number of topics to compare
@@ -219,7 +219,7 @@ def _read_graph(node: Node, topic: str) -> Facts:
         domain=node.context.get_domain_id(),
         reach=reach(),
         rmw=get_rmw_implementation_identifier(),
-        publishers=tuple(each for each in publishers if each.node != me),  # every node publishes /rosout
+        publishers=tuple(each for each in publishers if each.node != me),  # the doctor also publishes on /rosout
         subscriptions=tuple(each for each in subscriptions if each.node != me),
         here=next((replace(each, node="the doctor") for each in subscriptions if each.node == me), None),
         installed=not publishers or bool(_installed(publishers, subscriptions)),

@@ -20,7 +20,7 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name
 PLACES = 32  # programs that can be in one domain on one machine, with Cyclone DDS
 SIMILAR = 0.8  # the minimum difflib ratio for two names to count as similar
 MOST = 3  # the maximum number of causes, and of names in a list
-ONCE = ("robot_description", "map", "tf_static")  # last parts of topics that are usually published only once
+ONCE = ("robot_description", "map", "tf_static")  # last parts of the names of topics that are usually published once
 ZENOH = "rmw_zenoh_cpp"
 
 
@@ -246,7 +246,7 @@ def _name(facts: Facts) -> Found | None:
     near = [each for each in _near(facts.topic, facts.topics) if not types or types.intersection(each.types)]
     near = [each for each in near if bool(each.publishers) != bool(facts.publishers)]
     if facts.found_in:
-        # In this case, a misspelt name is more likely than a different domain only if the names are nearly identical.
+        # A misspelt name is a more likely cause than a different domain only if the names are nearly identical.
         near = [each for each in near if _similarity(facts.topic, each.name) == 1]
     if not near or (facts.publishers and facts.subscriptions):
         return None

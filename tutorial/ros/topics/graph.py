@@ -19,11 +19,11 @@ _log = logging.getLogger(__name__)
 
 READ_EVERY = 0.1  # [s] between reads of the graph
 QUIET_READS = 5  # consecutive identical reads before the graph counts as known
-PATIENT_READS = 30  # the same for the real rclpy that may still discover more nodes: see `_reads`
+PATIENT_READS = 30  # the same if the real rclpy may still discover more nodes: see `_reads`
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
 TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
 DISCOVERY_TIMEOUT = 2.0  # [s] how long a requested node or topic can take to appear
-TIMEOUT_ON_FAST_DDS = 6.0  # [s] the same, with Fast DDS
+TIMEOUT_ON_FAST_DDS = 6.0  # [s] DISCOVERY_TIMEOUT for Fast DDS
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 
 

@@ -104,7 +104,7 @@ async def topic_hz(
         async for now, _ in messages:
             if now < before:
                 intervals.clear()
-                before = told = now if now > 0 else math.inf  # simulated time is 0 before its first message
+                before = told = now if now > 0 else math.inf  # simulated time is 0 before the first message on /clock
                 continue
             intervals.append(now - before)
             before = now

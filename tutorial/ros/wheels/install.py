@@ -53,7 +53,7 @@ def remove() -> None:
     """
     target = folder.prefix()
     with alone(target):
-        (target / folder.WHEELS.name).unlink(missing_ok=True)  # first: otherwise, the rest would count as complete
+        (target / folder.WHEELS.name).unlink(missing_ok=True)  # first: otherwise, any leftovers would count as complete
         for each in filter(Path.exists, (target, _downloads(target))):
             shutil.rmtree(each)
 
@@ -77,7 +77,7 @@ def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], N
     shutil.rmtree(target, ignore_errors=True)
     _install_wheels(target, wheels, report)
     prepare(target)
-    shutil.copy(wheels, target)  # last: it marks the folder as complete
+    shutil.copy(wheels, target)  # last: this file marks the folder as complete
     shutil.rmtree(_downloads(target), ignore_errors=True)
 
 
@@ -118,7 +118,7 @@ def run(
                 output.append(line)
                 report(line.strip())
         except BaseException:
-            process.communicate()  # closes its stdin, which asks the command to stop, and waits until it has
+            process.communicate()  # closes stdin to ask the command to stop, and waits until it has stopped
             raise
     return process.returncode, "".join(output)
 
@@ -151,7 +151,7 @@ def _install_wheels(target: Path, wheels: Path, report: Report) -> None:
         problem = "a wheel is not the one that the tutorial was tested with: its hash differs. Try a different network."
     else:
         raise TutorialError(f"the wheels could not be downloaded ({last_line(output)}). Check the connection. {AGAIN}")
-    for each in (target, _downloads(target)):  # their content is wrong, or fills the disk
+    for each in (target, _downloads(target)):  # the files are wrong, or fill the disk
         shutil.rmtree(each, ignore_errors=True)
     raise TutorialError(problem)
 

@@ -43,7 +43,7 @@ class NeedsRealROSError(_NotHere, ModuleNotFoundError):
     Most programs encounter it on an import, where they expect a ModuleNotFoundError.
     """
 
-    __module__ = "rclpy.exceptions"  # programs import it from there
+    __module__ = "rclpy.exceptions"  # programs import this exception from rclpy.exceptions
 
 
 class AbsentAttributeError(_NotHere, AttributeError):

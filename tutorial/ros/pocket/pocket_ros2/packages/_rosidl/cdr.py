@@ -18,7 +18,7 @@ from _rosidl.definitions import EMPTY_STRUCTURE_MEMBER, Cardinality, Field, defi
 from _rosidl.message import CHECK_FIELDS, Message, message_class  # noqa: F401
 from _rosidl.values import PRIMITIVES
 
-HEADER = 4  # bytes before the message, which identify the encoding
+HEADER = 4  # bytes that identify the encoding, before the message
 ORDERS = {b"\0\0": ">", b"\0\1": "<"}
 """The byte order of numbers in each encoding, in `struct`'s notation."""
 CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"bool": "?", "byte": "c"}

@@ -68,7 +68,7 @@ class MessagesModule(ModuleType):
         if name not in self.__dict__.get("__all__", ()):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         found = getattr(import_module(f"{self.__name__}.{_module_name(name)}"), name)
-        setattr(self, name, found)  # from now on, Python finds it directly
+        setattr(self, name, found)  # from now on, Python finds the class directly
         return found
 
     def __dir__(self) -> list[str]:

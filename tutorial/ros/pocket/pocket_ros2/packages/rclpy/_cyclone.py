@@ -118,7 +118,7 @@ def to_dds(profile: QoSProfile, type_name: str, *, writer: bool) -> Qos:
     manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
     liveliness = Policy.Liveliness.ManualByTopic if manual else Policy.Liveliness.Automatic
     policies = [
-        Policy.Userdata(f"typehash={type_hash(type_name)};".encode()),  # otherwise ROS 2 warns
+        Policy.Userdata(f"typehash={type_hash(type_name)};".encode()),  # ROS 2 warns if the hash is missing
         history,
         Policy.Reliability.Reliable(Infinite.nanoseconds) if reliable else Policy.Reliability.BestEffort,
         Policy.Durability.TransientLocal if kept else Policy.Durability.Volatile,
@@ -244,7 +244,8 @@ class Waiter:
         self._owners = [owner for _, owner in sources]
         with lock:
             wait_set = self._wait_set = core.WaitSet(self._participant)
-        for key, (source, _) in enumerate(sources):  # fails if a source has just been destroyed, which wakes us again
+        # This fails if a source has just been destroyed, but its destruction wakes the executor again.
+        for key, (source, _) in enumerate(sources):
             wait_set._waitset_attach(wait_set._ref, source._ref, key)
 
     def wait(self, timeout: float) -> list[Any]:

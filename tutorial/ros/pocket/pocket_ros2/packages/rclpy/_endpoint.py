@@ -40,7 +40,7 @@ class Endpoint(Destroyable):
         self._topic_name = node.resolve_topic_name(topic)
         self.qos_profile = qos_profile
         prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
-        with lock:  # a shutdown has to wait
+        with lock:  # prevents a shutdown in the meantime
             participant = node.context.graph.participant
             self._wire = self._create(participant, prefix + self._topic_name, msg_type._definition.type_name)
         self.guid = self._wire.guid

@@ -104,7 +104,7 @@ class Graph:
         graph. Only a query decodes them, and only the newest one of each participant.
         """
         with lock:
-            self.changes.take_incompatible()  # otherwise it would wake the executor repeatedly
+            self.changes.take_incompatible()  # otherwise, this status would wake the executor repeatedly
             for _ in range(AT_ONCE):
                 if (sample := self.changes.take()) is None:
                     break

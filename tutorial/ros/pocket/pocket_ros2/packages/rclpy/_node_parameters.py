@@ -176,7 +176,7 @@ class NodeParameters:
         if name in self._parameters:
             return self._parameters[name].type_.value
         self._require_undeclared_allowed(name)
-        return Parameter.Type.NOT_SET  # as in rclpy, the member and not its number
+        return Parameter.Type.NOT_SET  # as in rclpy, the enum member, not its number
 
     def get_parameter_types(self, names: Sequence[str]) -> list[Any]:
         """Return the types of several parameters; see :meth:`get_parameter_type`.

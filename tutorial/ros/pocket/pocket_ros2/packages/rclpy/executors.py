@@ -49,7 +49,7 @@ class SingleThreadedExecutor:
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = context or get_default_context()
-        with lock:  # a shutdown has to wait
+        with lock:  # prevents a shutdown in the meantime
             self._waiter = self._context.graph.participant.create_waiter()
         self._nodes: tuple[Node, ...] = ()
         self._timers: list[Timer] = []
@@ -216,7 +216,7 @@ class SingleThreadedExecutor:
         self._guards = [guard for node in self._nodes for guard in node.guards]
         self._endpoints = [endpoint for node in self._nodes for endpoint in (*node.publishers, *node.subscriptions)]
         self._subscriptions = [endpoint for endpoint in self._endpoints if isinstance(endpoint, Subscription)]
-        with lock:  # a shutdown has to wait
+        with lock:  # prevents a shutdown in the meantime
             if self._context.ok():
                 watched = [(endpoint._wire, endpoint) for endpoint in self._endpoints]
                 self._waiter.watch([(self._context.graph.changes, None), *watched])

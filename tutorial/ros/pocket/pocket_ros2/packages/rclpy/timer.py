@@ -121,7 +121,7 @@ class Timer(Destroyable):
         if switched and not now:  # no message on /clock yet: the first one counts as a jump backwards
             self._last_call = self._next_call = 2**63 - 1
         elif switched and before:
-            self._last_call = now - (self._next_call - before)  # rcl subtracts the remaining time, too
+            self._last_call = now - (self._next_call - before)  # rcl also subtracts the remaining time
             self._next_call = self._last_call + period
         elif switched or now < self._last_call:
             self._last_call, self._next_call = now, now + period

@@ -9,7 +9,7 @@ from rclpy.constants import S_TO_NS as S_TO_NS  # noqa: PLC0414  (re-export)
 from rclpy.context import Context
 
 _default_context: Context | None = None
-_lock = threading.RLock()  # reentrant, because a signal handler can run on the thread that holds it
+_lock = threading.RLock()  # reentrant, because a signal handler can run on the thread that holds the lock
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
