@@ -30,8 +30,7 @@ SIGNS = {
     "clock": "`ros2 param get NODE use_sim_time` prints `True`, "
     "and `ros2 topic info /clock` prints `Publisher count: 0`.",
     "silent": "`ros2 topic info TOPIC` prints `Publisher count: 1`, but `ros2 topic hz TOPIC` prints no rate.",
-    "late": "`ros2 topic info -v TOPIC` prints `Durability: VOLATILE`, "
-    "and the publisher publishes only once.",
+    "late": "`ros2 topic info -v TOPIC` prints `Durability: VOLATILE`, and the publisher publishes only once.",
     "range": "In the program's terminal, `ros2 node list` lists no nodes of other programs.",
     "rmw": "`printenv RMW_IMPLEMENTATION` prints different names in the terminals of the two programs.",
     "unknown": "`ros2 topic echo TOPIC` prints messages, but their joint names are not in the robot's description.",

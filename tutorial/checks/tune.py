@@ -72,7 +72,9 @@ class TrackLimits(SimpleController):
 
 
 RCLPYS_OWN = "_on_parameter_event"  # the callback for use_sim_time, which every node has
-NO_CALLBACK = "In configure, add it with self.node.add_on_set_parameters_callback: no other kind of callback can refuse."
+NO_CALLBACK = (
+    "In configure, add it with self.node.add_on_set_parameters_callback: no other kind of callback can refuse."
+)
 RESULT = "In every case, return SetParametersResult(successful=True), or successful=False with a reason."
 
 
@@ -92,7 +94,9 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
             method = name_of(callbacks[0])
             if method == RCLPYS_OWN:
                 made = bench.created()
-                raise Failure("configure", Misuse(f"it adds no callback that can refuse; it creates {made}", NO_CALLBACK))
+                raise Failure(
+                    "configure", Misuse(f"it adds no callback that can refuse; it creates {made}", NO_CALLBACK)
+                )
             callbacks += [lambda _: SetParametersResult(successful=False)] * vetoed
             for values in sets:
                 given = [Parameter(name, value=value) for name, value in values.items()]
@@ -190,8 +194,8 @@ CASES = [
     Case("speed 2.0 and turn 0.6 at once", tried({"speed": 2.0, "turn": 0.6}, reason="2.6"),
          "Your code probably tests each parameter separately. Test the sum once, with all new values."),
     Case("a parameter that other code declared", tried({"width": 9.0, "turn": 0.7}, {"width": 1.0, "turn": 1.6}),
-         "The callback probably expects only its own parameters in the list, or returns as soon as it finds a different "
-         "one. Ignore all other parameters, and test the sum of speed and turn.", crashes=True),
+         "The callback probably expects only its own parameters in the list, or returns when it finds a different one. "
+         "Ignore all other parameters, and test the sum of speed and turn.", crashes=True),
     Case("speed 1.5, refused by a different callback", tried({"speed": 1.5}, vetoed=True)),
     Case("after unconfigure", left,
          "In unconfigure, remove the callback with remove_on_set_parameters_callback, and undeclare both parameters."),

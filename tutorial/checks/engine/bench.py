@@ -34,7 +34,9 @@ TOO_EARLY = "There is no request yet. Call config.ask in the callback, for each 
 KEYWORD = "config.ask passes these arguments to the function. Pass the timeout as a keyword argument: timeout=0.5."
 THE_NODE = "config.node belongs to the whole program. Destroy only what your code has created on it."
 NO_RETURN = "You probably forgot return, or returned something else. A service's callback must return a response."
-REQUEST = "This client can send only a {0}.Request(). Create the client with the type Trigger, and call it with a request."
+REQUEST = (
+    "This client can send only a {0}.Request(). Create the client with the type Trigger, and call it with a request."
+)
 HASTY = "Await each response before you call the next service."
 NOT_THERE = {
     "'Future'": "call_async returns a future, not the response. Write await before it, in a coroutine.",
@@ -169,8 +171,8 @@ class Bench:
                 raise
             raise Misuse(f"it passes the arguments {arguments} to config.ask: {error}", KEYWORD) from error
 
-    def _post(self, function: Callable[..., object], /, *arguments: Any) -> None:
-        self._posted.append(partial(function, *arguments))
+    def _post(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
+        self._posted.append(partial(function, *args))
 
     def ask(self, service: str) -> str:
         """Make a request, and describe the response."""

@@ -78,9 +78,7 @@ class Publishing:
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
-        topic = (
-            f"Your code probably uses the wrong topic or type. In configure, write {made}, without a leading slash."
-        )
+        topic = f"Your code probably uses the wrong topic or type. In configure, write {made}, without a leading slash."
         condition = f"Your code probably tests the wrong condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
