@@ -406,7 +406,7 @@ class TestRequests:
     def test_a_hanging_request_is_blamed(self, stuck):
         simulation = simulate(Recorder())
         simulation.start()
-        with pytest.raises(RefusedError, match="has begun"):
+        with pytest.raises(RefusedError, match="was started"):
             simulation.world.requests.ask(stuck.let.wait, timeout=0.05)
         simulation.stop()
         assert re.match(r"MuJoCo or a request does not return: it is at threading.py", str(simulation.error))

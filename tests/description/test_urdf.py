@@ -202,7 +202,7 @@ FIXED = (
 
 
 def test_differences_from_the_model_are_reported(described, caplog):
-    top = " Differences from the MuJoCo model: "
+    top = " Differences from the MuJoCo model are "
     assert Robot(robot_description(body_of(MODELS / "tank.xml"))).comment == (
         f"{top}tendons (2); equalities (8); joints in hidden groups, which become fixed (10); ellipsoid shapes (10) "
     )
@@ -253,7 +253,7 @@ def test_mimic(described, caplog):
     body, robot = described(COUPLED.replace("EQUALITY", ""))
     mimics = {name: joint.find("mimic") for name, joint in robot.joints.items() if joint.find("mimic") is not None}
     assert {name: mimic.get("joint") for name, mimic in mimics.items()} == {"B": "A", "C": "A"}
-    assert robot.comment == " Differences from the MuJoCo model: equalities (1) "
+    assert robot.comment == " Differences from the MuJoCo model are equalities (1) "
     assert caplog.records == []
     model = robot.read()
     data = mujoco.MjData(model)
@@ -324,7 +324,7 @@ def test_a_mesh_is_the_models_file(described, tmp_path):
             <geom type="mesh" mesh="M" pos="1 2 3" euler="10 20 30"/><geom type="mesh" mesh="I"/>
           </body></worldbody>
         </mujoco>""")
-    assert robot.comment == " Differences from the MuJoCo model: mesh shapes (1) "
+    assert robot.comment == " Differences from the MuJoCo model are mesh shapes (1) "
     (mesh,) = robot.links["M"].findall("visual/geometry/mesh")
     uri = (tmp_path / "a mesh.obj").as_uri()
     assert mesh.attrib == {"filename": uri, "scale": "2 -1 1"}

@@ -250,7 +250,7 @@ class _Writer:
         """
         missing = +(self.left_out + self.moves_otherwise)
         if missing:
-            self.robot.insert(0, Comment(f" Differences from the MuJoCo model: {_counted(missing)} "))
+            self.robot.insert(0, Comment(f" Differences from the MuJoCo model are {_counted(missing)} "))
         if self.moves_otherwise:
             others = _counted(self.moves_otherwise)
             _log.warning(

@@ -37,7 +37,7 @@ _UNSET = "Your code probably reads it before it is set: "
 _LIFE = "configure runs first, then initialize, then control; a message can arrive as soon as the subscription exists."
 _CLASS = "You probably forgot the parentheses: {0} is the class, and {0}(...) creates an object."
 _GENERAL = "Fix this line first. The check stopped here."
-_RAISES = "Your code raises this error itself, and nothing catches it. Report a problem in the result that you return."
+_RAISES = "Your code raises this error itself, and nothing catches it. Catch it, or report the problem in a result."
 _CAUSES = {
     r"RuntimeError: .*event loop": "Your code probably uses the event loop outside of the main thread. Post a call, "
     "self.call_later(self.update, message): the posted call can use the loop.",
@@ -94,7 +94,7 @@ def _is_raised_by(error: BaseException, answer: Any) -> bool:
     last = error.__traceback__
     while last is not None and last.tb_next is not None:
         last = last.tb_next
-    if last is None or last.tb_frame.f_globals.get("__name__") != answer.__module__:
+    if last is None or last.tb_frame.f_globals.get("__name__") != getattr(answer, "__module__", None):
         return False
     return dis.opname[last.tb_frame.f_code.co_code[last.tb_lasti]] == "RAISE_VARARGS"
 
