@@ -100,7 +100,10 @@ WRONG = [
     (changed(update=posts_after_seconds), "config.call_later has no delay"),
     (changed(update=never_awaited), "Write def, not async def"),
     (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "with parentheses"),
-    (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "raises this error itself"),
+    (
+        changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))),
+        "raises this error itself",
+    ),
     (changed(__setattr__=lambda self, *each: setattr(type(self), *each)), "is shared by all objects of the class"),
     (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "outside of the main"),
 ]
