@@ -59,7 +59,7 @@ class Clock:
         return Time(nanoseconds=self._simulated_ns if self._is_simulated else system_ns, clock_type=self._clock_type)
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Sleep until a given time: on a simulated clock, until the time on ``/clock`` reaches it.
+        """Sleep until the clock reaches a given time. A simulated clock follows the messages on ``/clock``.
 
         Args:
             until: when to wake up.
