@@ -23,7 +23,7 @@ SETTLE = 0.2  # [s] within which a service usually discovers a new client, even 
 
 
 def services_with_types(node: Node) -> dict[str, list[str]]:
-    """Return the types of each visible service, sorted by the services' names."""
+    """Return the types of each visible service, sorted by service name."""
     return {name: types for name, types in sorted(node.get_service_names_and_types()) if not is_hidden(name)}
 
 
@@ -31,7 +31,7 @@ async def service_list(node: Node, show_types: bool = False) -> str:
     """Wait until the graph is known, then list the services, like ``ros2 service list``.
 
     Args:
-        node: the node that queries the graph; it must be spinning on another thread.
+        node: the node that queries the graph; must be spinning on another thread.
         show_types: whether to add each service's type, as ``-t`` does.
 
     Returns:
@@ -50,11 +50,11 @@ async def service_list(node: Node, show_types: bool = False) -> str:
 
 
 async def service_type(node: Node, service: str) -> str:
-    """Return the types of a service, one per line, like ``ros2 service type``; wait briefly for the service.
+    """Wait briefly for a service to appear, then return its types, one per line, like ``ros2 service type``.
 
     Args:
-        node: the node that queries the graph; it must be spinning on another thread.
-        service: its full name.
+        node: the node that queries the graph; must be spinning on another thread.
+        service: the service's full name.
 
     Raises:
         TutorialError: there is no such service, or this process uses the pocket ROS 2.
@@ -73,9 +73,9 @@ async def service_call(
     """Call a service, like ``ros2 service call``. If the service is not available yet, wait for it.
 
     Args:
-        node: the node that calls the service; it must be spinning on another thread.
+        node: the node that calls the service; must be spinning on another thread.
         service: the service's name.
-        type_name: its type, such as ``"std_srvs/srv/Trigger"``.
+        type_name: the service's type, such as ``"std_srvs/srv/Trigger"``.
         values: the fields of the request in YAML.
         timeout: the maximum wait for the service, and then for its response [s].
 
@@ -100,11 +100,11 @@ async def service_call(
 
 @contextmanager
 def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
-    """Create a client of a service, and destroy it at the end of the context.
+    """Create a client of a service, and destroy it at the end of the ``with`` block.
 
     Args:
         node: the node that calls the service.
-        kind: the class of the service's type.
+        kind: the class of the service type.
         service: the service's name.
     """
     made = node.create_client(kind, service)
@@ -120,7 +120,7 @@ async def is_ready(made: Any, timeout: float) -> bool:
     A service cannot respond to a client that it does not know yet, and ROS 2 does not repeat the response.
 
     Returns:
-        False on timeout [s].
+        Whether the service was found within the timeout [s].
     """
     found = await _until(made.service_is_ready, timeout)
     await asyncio.sleep(SETTLE if found else 0.0)
@@ -140,7 +140,7 @@ async def response_to(made: Any, request: Any, timeout: float = inf) -> Any:
 
 
 async def _until(condition: Callable[[], bool], timeout: float) -> bool:
-    """Wait until a condition holds. Return False on timeout [s]."""
+    """Wait until a condition holds; return False if the timeout [s] expires first."""
     deadline = time.monotonic() + timeout
     while not condition():
         if time.monotonic() > deadline:

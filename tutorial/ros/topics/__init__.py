@@ -1,1 +1,1 @@
-"""The output of ``ros2 topic`` and ``ros2 node`` as text, from the real rclpy or the pocket ROS 2."""
+"""The output of ``ros2 topic`` and ``ros2 node`` as text, produced with the real rclpy or the pocket ROS 2."""

@@ -1,4 +1,4 @@
-"""Find the publishers and subscriptions of a topic, whatever its name, and a QoS that suits all its publishers."""
+"""Find a topic's publishers and subscriptions, even if its name is invalid, and a QoS that suits all its publishers."""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ def publishers_on(node: Node, topic: str) -> list[TopicEndpointInfo]:
 
     Args:
         node: the node that queries the graph.
-        topic: its full name, as in `Node.get_topic_names_and_types`.
+        topic: the topic's full name, as in `Node.get_topic_names_and_types`.
     """
     return _infos(node.get_publishers_info_by_topic, topic)
 
@@ -27,7 +27,7 @@ def subscriptions_on(node: Node, topic: str) -> list[TopicEndpointInfo]:
 
 
 def _infos(ask: Callable[..., list[TopicEndpointInfo]], topic: str) -> list[TopicEndpointInfo]:
-    """Query by the topic's name; rclpy refuses an invalid name, but accepts the name that the topic has in DDS."""
+    """Query by the topic's name or, if rclpy would reject that name as invalid, by the topic's name in DDS."""
     return ask(topic) if is_valid_topic(topic) else ask(f"rt{topic}", no_mangle=True)
 
 
@@ -36,7 +36,7 @@ def reader_qos(node: Node, topic: str) -> QoSProfile:
 
     Args:
         node: the node that queries the graph.
-        topic: its full name.
+        topic: the topic's full name.
     """
     offered = [info.qos_profile for info in publishers_on(node, topic)]
     reliable = bool(offered) and all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)

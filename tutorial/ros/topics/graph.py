@@ -30,12 +30,12 @@ NAMELESS = "_NODE_NAME_UNKNOWN_"  # placeholder until a node's name arrives
 async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, timeout: float = TIMEOUT) -> bool:
     """Wait until every discovered participant has announced its entities and the graph has stopped changing.
 
-    Other nodes of this process certainly exist, so also wait for them: Fast DDS takes seconds to discover them. If the
-    wait times out, log a warning.
+    Also wait for the other nodes of this process: they certainly exist, but Fast DDS takes seconds to discover them. If
+    the wait times out, log a warning.
 
     Args:
-        node: the node that queries the graph; it must be spinning on another thread.
-        wanted: returns whether the requested entity has been discovered; if not, the function waits a little longer.
+        node: the node that queries the graph; must be spinning on another thread.
+        wanted: returns whether the requested entity has been discovered; if not, `wait_for_graph` waits a bit longer.
         timeout: maximum wait [s].
 
     Returns:
@@ -60,8 +60,9 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
 def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
     """Return how many consecutive reads of the graph must give the same result.
 
-    The pocket ROS 2 knows which participants have not announced everything. With the real rclpy, a name may be missing
-    because a program that uses DDS without ROS 2 never announces it, and Fast DDS may not have found any program yet.
+    The pocket ROS 2 knows which participants have not announced all their entities. With the real rclpy, a node's name
+    may be missing because a program that uses DDS without ROS 2 never announces one, and Fast DDS may not have
+    discovered any other program yet.
     """
     if hasattr(node.context, "graph"):
         return QUIET_READS if node.context.graph.is_complete() else inf
@@ -82,7 +83,7 @@ def _is_fast_dds() -> bool:
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
-    """Return all nodes, topics and services; for some topics, also the nodes that publish and subscribe."""
+    """Return all nodes, topics and services and, for some topics, the nodes that publish or subscribe to them."""
     snapshot: list[tuple[str, ...]] = []
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # the real rclpy lists no nodes while any node has an empty name

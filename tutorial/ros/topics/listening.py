@@ -1,6 +1,6 @@
-"""Show the messages that arrive on a topic, with the output of ``ros2 topic echo`` and ``ros2 topic hz`` as text.
+"""Subscribe to a topic, and yield the output of ``ros2 topic echo`` and ``ros2 topic hz`` as text.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. These functions print nothing.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
 """
 
 import asyncio
@@ -40,24 +40,24 @@ async def topic_echo(
 ) -> AsyncGenerator[str, None]:
     """Yield the messages of a topic as text, like ``ros2 topic echo``.
 
-    The subscription exists as long as the iteration: end the iteration with `contextlib.aclosing`, or cancel the task.
+    The subscription exists until the iteration ends: end the iteration with `contextlib.aclosing`, or cancel the task.
 
     Args:
-        node: the node that subscribes; it must be spinning on another thread.
-        topic: its name; if it does not exist, wait for it briefly.
-        message_type: the type to subscribe with, such as ``"sensor_msgs/msg/Joy"``, even if the topic does not exist
-            yet or has several types. None for the topic's type.
+        node: the node that subscribes; must be spinning on another thread.
+        topic: the topic's name; if there is no such topic, wait briefly for it.
+        message_type: the type to subscribe with, such as ``"sensor_msgs/msg/Joy"``; required if the topic does not
+            exist yet or has several types. None to use the topic's only type.
         once: stop after the first message instead of continuing forever.
-        field: show only this field: ``"position"``, ``"header.stamp"``.
+        field: show only this field, such as ``"position"`` or ``"header.stamp"``.
         no_arr: show only the type and length of each array.
         timeout: maximum wait for each message [s]; None to wait forever.
 
     Yields:
-        The text of a message, with the closing ``---``.
+        The text of each message, including the closing ``---``.
 
     Raises:
-        TutorialError: the topic, the type or the field is unknown, with the error text of ``ros2``; or no message
-            arrived in time.
+        TutorialError: the topic, the type or the field is unknown (the error text is the same as in ``ros2``), or no
+            message arrived in time.
     """
     if message_type is None:
         topic = await _known(node, topic)
@@ -79,14 +79,14 @@ async def topic_hz(
     Yield nothing while no messages arrive, and start over when simulated time jumps backwards.
 
     Args:
-        node: the node that subscribes; it must be spinning on another thread. If it uses simulated time, intervals are
-            measured in simulated time.
-        topic: its name; if it does not exist, wait for it briefly, then yield a warning and keep waiting.
+        node: the node that subscribes; must be spinning on another thread. If the node uses simulated time, intervals
+            are measured in simulated time.
+        topic: the topic's name; if there is no such topic, wait briefly for it, then yield a warning and keep waiting.
         window: the number of recent intervals to average over.
         timeout: maximum wait for the topic, and then for each message [s]; None to wait forever.
 
     Yields:
-        About once a second: the average rate [Hz], and the extremes and standard deviation of the intervals [s].
+        About once a second, the average rate [Hz] and the minimum, maximum and standard deviation of the intervals [s].
 
     Raises:
         TutorialError: no message arrived in time.
@@ -116,14 +116,14 @@ async def topic_hz(
 async def _messages(
     node: Node, kind: Any, topic: str, timeout: float | None, times_only: bool = False
 ) -> AsyncGenerator[tuple[float, Any], None]:
-    """Yield the messages of a topic, each with its time of arrival [s], simulated or from `time.monotonic`.
+    """Yield the messages of a topic, each with its arrival time [s], which is simulated or from `time.monotonic`.
 
     Args:
-        node: the node that subscribes; it must be spinning on another thread.
+        node: the node that subscribes; must be spinning on another thread.
         kind: the class of the messages.
-        topic: its full name.
+        topic: the topic's full name.
         timeout: maximum wait for each message [s]; None to wait forever.
-        times_only: yield None instead of each message, and don't decode it; the queue holds up to 10,000 messages.
+        times_only: yield None instead of each message, without decoding it, and queue up to 10,000 messages.
 
     Raises:
         TutorialError: no message arrived in time.
@@ -154,7 +154,7 @@ async def _messages(
 
 @asynccontextmanager
 async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenerator[None, None]:
-    """Limit how long to wait for a message [s]; None sets no limit.
+    """Limit how long to wait for a message [s]; None means no limit.
 
     Raises:
         TutorialError: no message arrived in time.
@@ -171,7 +171,7 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
 
 
 async def _known(node: Node, topic: str) -> str:
-    """Wait briefly for a topic, and return its full name."""
+    """Wait briefly for a topic to appear, and return its full name."""
     name = full_topic(node, topic)
     await wait_for_graph(node, lambda: _type_of(node, name))
     return name
@@ -191,7 +191,7 @@ def _type_of(node: Node, topic: str) -> str | None:
 
 
 def _not_published(topic: str) -> str:
-    """Return the warning of ``ros2`` about a topic that does not exist."""
+    """Return the warning that ``ros2`` prints about a topic that does not exist."""
     return f"WARNING: topic [{escape_name(topic)}] does not appear to be published yet"
 
 

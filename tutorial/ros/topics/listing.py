@@ -1,7 +1,7 @@
 """List nodes and topics, and describe a topic, as ``ros2 node list``, ``topic list`` and ``topic info`` do.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. These functions print nothing. Names are
-escaped with `escape_name`; ``ros2`` prints them unchanged.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
+Names are escaped with `escape_name`, whereas ``ros2`` prints names unchanged.
 """
 
 from rclpy.duration import Duration, Infinite
@@ -26,7 +26,7 @@ def node_names(node: Node) -> list[str]:
 
 
 def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, list[str]]:
-    """Return the types of each topic, sorted by the topics' names.
+    """Return the types of each topic, sorted by topic name.
 
     Args:
         node: the node that queries the graph.
@@ -40,7 +40,7 @@ async def node_list(node: Node) -> str:
     """Wait until the graph is known, then list the nodes that are not hidden, like ``ros2 node list``.
 
     Args:
-        node: the node that queries the graph; it must be spinning on another thread.
+        node: the node that queries the graph; must be spinning on another thread.
 
     Returns:
         One line for each node.
@@ -53,8 +53,8 @@ async def topic_list(node: Node, show_types: bool = False) -> str:
     """Wait until the graph is known, then list the topics that are not hidden, like ``ros2 topic list``.
 
     Args:
-        node: the node that queries the graph; it must be spinning on another thread.
-        show_types: add each topic's type, as with ``-t``.
+        node: the node that queries the graph; must be spinning on another thread.
+        show_types: add each topic's type, as ``-t`` does.
 
     Returns:
         One line for each topic.
@@ -68,12 +68,12 @@ async def topic_list(node: Node, show_types: bool = False) -> str:
 
 
 async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
-    """Describe a topic's publishers and subscriptions, like ``ros2 topic info``; wait briefly for the topic.
+    """Wait briefly for a topic to appear, then describe its publishers and subscriptions, like ``ros2 topic info``.
 
     Args:
-        node: the node that queries the graph; it must be spinning on another thread.
-        topic: its full name.
-        verbose: describe each publisher and subscription with its QoS, as with ``-v``.
+        node: the node that queries the graph; must be spinning on another thread.
+        topic: the topic's full name.
+        verbose: describe each publisher and subscription, including its QoS, as ``-v`` does.
 
     Raises:
         TutorialError: there is no such topic; the error text is the same as in ``ros2``.

@@ -23,16 +23,16 @@ ARRAYS = (list, tuple, array, np.ndarray)
 def message_to_yaml(message: Any, no_arr: bool = False) -> str:
     """Write a message as YAML, with its fields in order.
 
-    An array or string is truncated to 128 elements or characters, and ``...`` is added. A string of visible characters
-    and line breaks is written as ``ros2`` writes it. Any other string is in double quotes, where the escapes of
-    `tutorial.errors.printable` are valid YAML: a YAML parser returns the same string.
+    An array is truncated to 128 elements and a string to 128 characters, and ``...`` is added. A string of visible
+    characters and line breaks is written as ``ros2`` writes it. Any other string is written in double quotes, where the
+    escapes of `tutorial.errors.printable` are valid YAML: a YAML parser returns the same string.
 
     Args:
         message: a message of any type.
         no_arr: write only the type and length of each array.
 
     Returns:
-        Lines that all end in a line break, including the last line.
+        Lines that each end in a line break, including the last line.
     """
     plain = _plain(message, no_arr)
     text = yaml.dump(
@@ -42,14 +42,14 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
 
 
 def field_text(message: Any, field: str | None = None, no_arr: bool = False) -> str:
-    """Write a message, or a field of it, as ``ros2 topic echo`` does, with the closing ``---``.
+    """Write a message, or a field of it, as ``ros2 topic echo`` does, including the closing ``---``.
 
-    A field that is not a message is written as Python shows it. A string is written line by line, with escapes for
+    A field that is not a message is written as Python prints it. A string is written line by line, with escapes for
     invisible characters.
 
     Args:
         message: a message of any type.
-        field: its dotted name, such as ``"header.stamp"``; None for the whole message.
+        field: the field's dotted name, such as ``"header.stamp"``; None for the whole message.
         no_arr: write only the type and length of each array.
 
     Raises:
@@ -65,7 +65,7 @@ def field_text(message: Any, field: str | None = None, no_arr: bool = False) -> 
 
 
 class _Dumper(yaml.SafeDumper):
-    """Puts strings with invisible characters in double quotes."""
+    """Writes a string in double quotes if it contains invisible characters."""
 
 
 def _string(dumper: _Dumper, text: str) -> yaml.ScalarNode:
@@ -97,7 +97,7 @@ def _ellipsis(value: Sized) -> list[str]:
 
 
 def _long(kind: str) -> str:
-    """Return a field type's full name, without string lengths: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``."""
+    """Return a field type's full name without length limits: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``."""
     return re.sub(r"<\d+>", "", kind).replace("/", "/msg/")
 
 
@@ -106,7 +106,7 @@ def _array_summary(value: Sized, kind: str) -> str:
 
     Args:
         value: the array.
-        kind: the type of its field, such as ``"sequence<double>"``.
+        kind: the field's type, such as ``"sequence<double>"``.
 
     Returns:
         Text such as ``"<sequence type: double, length: 2>"``.

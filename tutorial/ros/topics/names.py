@@ -1,7 +1,7 @@
 """Handle the names of nodes, topics and message types, including names that ROS 2 does not allow.
 
-ROS 2 checks the names that its own programs use. A program that uses DDS without ROS 2 can call a topic ``//x`` and
-give any name to a node or a type.
+ROS 2 checks the names that its own programs use. A program that uses DDS without ROS 2 can name a topic ``//x`` and
+give a node or a type any name.
 """
 
 # ruff: noqa: PLC0415 - `tank bag info` works without rclpy
@@ -41,7 +41,7 @@ def escape_name(name: str) -> str:
 
 
 def is_valid_topic(name: str) -> bool:
-    """Return whether a topic's full name follows the rules of ROS 2, whose queries reject any other name."""
+    """Return whether a topic's full name follows ROS 2's naming rules. ROS 2 rejects queries for any other name."""
     from rclpy.exceptions import NameValidationException
     from rclpy.validate_full_topic_name import validate_full_topic_name
 
@@ -85,7 +85,8 @@ def message_class(type_name: str) -> Any:
     """Return the class of a message type.
 
     Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``, or the short form ``"sensor_msgs/Joy"``; ROS 2 accepts both.
+        type_name: the type's name, such as ``"sensor_msgs/msg/Joy"``, or its short form, such as
+            ``"sensor_msgs/Joy"``; ROS 2 accepts both forms.
 
     Raises:
         TutorialError: there is no such type.
@@ -100,7 +101,8 @@ def service_class(type_name: str) -> Any:
     """Return the class of a service type.
 
     Args:
-        type_name: such as ``"std_srvs/srv/Trigger"``, or the short form ``"std_srvs/Trigger"``; ROS 2 accepts both.
+        type_name: the type's name, such as ``"std_srvs/srv/Trigger"``, or its short form, such as
+            ``"std_srvs/Trigger"``; ROS 2 accepts both forms.
 
     Raises:
         TutorialError: there is no such type, or it is not a service; the error text is the same as in ``ros2``.
@@ -125,7 +127,7 @@ def _interface(type_name: str, part: str) -> Any:
 
 
 def _has_part(package: str, part: str) -> bool:
-    """Return whether a package has a part such as ``msg``. Don't import the package, because its code would run."""
+    """Return whether a package has a subpackage such as ``msg``. Don't import the package: its code would run."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

@@ -27,7 +27,7 @@ class Clock:
     """A clock.
 
     Args:
-        clock_type: kind of time; ROS time is the system's time, except for a node that uses simulated time.
+        clock_type: kind of time; ROS time is the system's time unless the node uses simulated time.
 
     Raises:
         TypeError: the clock type is not a ClockType.
@@ -41,7 +41,7 @@ class Clock:
     _simulated_ns = 0  # the simulated time
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
-        """Create a clock; for ROS time, it is a ROSClock."""
+        """Create a clock; if its type is ROS time, create a ROSClock."""
         if not isinstance(clock_type, (ClockType, _rclpy_pybind11.ClockType)):
             raise TypeError("Clock type must be a ClockType enum")
         self: Any = object.__new__(ROSClock if clock_type == ClockType.ROS_TIME else cls)
@@ -59,11 +59,11 @@ class Clock:
         return Time(nanoseconds=self._simulated_ns if self._is_simulated else system_ns, clock_type=self._clock_type)
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Sleep until a time. In simulated time, sleep until ``/clock`` reaches it.
+        """Sleep until the clock reaches a given time. A simulated clock follows the messages on ``/clock``.
 
         Args:
             until: when to wake up.
-            context: a context whose shutdown ends the sleep; None uses the default context.
+            context: a context whose shutdown ends the sleep; if None, the default context.
 
         Returns:
             Whether the time was reached: False if the context was shut down, or if the clock switched between the
@@ -91,7 +91,7 @@ class Clock:
         return self.sleep_until(self.now() + rel_time, context)
 
     def _timer_ns(self) -> int:
-        """Return the time for timers [ns]. Changes to the system clock do not affect it."""
+        """Return the time that timers use [ns]. Changes to the system clock do not affect it."""
         return self._simulated_ns if self._is_simulated else time.monotonic_ns()
 
     def __repr__(self) -> str:
@@ -121,7 +121,7 @@ class ROSClock(Clock):
         self._jump(self._is_simulated, time.nanoseconds)
 
     def _jump(self, is_simulated: bool, simulated_ns: int) -> None:
-        """Change the time or the kind of time, and adjust sleepers and timers."""
+        """Set the simulated time and whether the clock uses it, then wake the sleepers and adjust the timers."""
         before, switched = self._timer_ns(), is_simulated != self._is_simulated
         with self._jumped:
             self._is_simulated, self._simulated_ns = is_simulated, simulated_ns

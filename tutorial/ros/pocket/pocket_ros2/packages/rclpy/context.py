@@ -1,4 +1,4 @@
-"""A context: ROS 2 in a process, from its start to its shutdown."""
+"""A context: one run of ROS 2 in a process, from start to shutdown."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ _contexts: weakref.WeakSet[Context] = weakref.WeakSet()
 class Context:
     """The state that nodes and executors share: the arguments and the participant in the DDS domain.
 
-    A context can be started and shut down only once. It can be used from any thread. As a context manager, it starts on
-    entry.
+    A context can be started and shut down only once. It can be used from any thread. A ``with`` statement starts it on
+    entry and shuts it down on exit.
 
     Attributes:
-        arguments: the ROS arguments that it was started with.
+        arguments: the ROS arguments that the context was started with.
     """
 
     def __init__(self) -> None:
@@ -54,12 +54,12 @@ class Context:
         """Start the context.
 
         Args:
-            args: the command line; None uses ``sys.argv``.
-            initialize_logging: configure logging from the command line.
-            domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0 if that is not set.
+            args: the command line; if None, ``sys.argv``.
+            initialize_logging: apply the logging options of the command line.
+            domain_id: the DDS domain; if None, ``ROS_DOMAIN_ID`` or, if that is not set, 0.
 
         Raises:
-            RuntimeError: the context has already been started, or the domain is negative.
+            RuntimeError: the context has already been started, or the domain ID is negative.
             RCLError: an argument or an environment variable is invalid.
         """
         with _domain.lock:
@@ -77,7 +77,7 @@ class Context:
                 self._initialize_logging()
 
     def _initialize_logging(self) -> None:
-        """Configure logging from the command line. If that fails, the context stays initialized, as in rclpy."""
+        """Apply the logging options of the command line. If that fails, the context stays initialized, as in rclpy."""
         if self.arguments.log_configuration:
             reason = "spdlog logging backend doesn't currently support external configuration"
             raise RCLError(f"failed to initialize logging: {reason}")
@@ -91,10 +91,10 @@ class Context:
         return self._ok
 
     def shutdown(self) -> None:
-        """Shut down: end all spins, and remove all nodes from the graph.
+        """Shut down: stop the context's executors, and remove all nodes from the graph.
 
         Raises:
-            RuntimeError: the context has not been started, or has been shut down.
+            RuntimeError: the context has not been started, or has already been shut down.
         """
         if not self._was_initialized:
             raise RuntimeError("Context must be initialized before it can be shutdown")
@@ -103,9 +103,9 @@ class Context:
         self.try_shutdown()
 
     def try_shutdown(self) -> None:
-        """Shut down if the context is running, wait until no other thread spins, and call the callbacks.
+        """Shut down if the context is running, wait until no other thread is spinning, and call the shutdown callbacks.
 
-        As in rclpy, the callbacks are not called if a signal has already stopped the context.
+        As in rclpy, these callbacks are not called if a signal has already stopped the context.
         """
         if not self._was_initialized:
             return
@@ -141,7 +141,10 @@ class Context:
         callback()
 
     def stop(self) -> None:
-        """End all spins, but leave slow work to :meth:`try_shutdown`; a signal handler can call this method."""
+        """Stop the context's executors, but leave slow work to :meth:`try_shutdown`.
+
+        A signal handler can call this method.
+        """
         if self._ok:
             self._ok = False
             for reference in self._executors:
@@ -186,13 +189,13 @@ class Context:
 
 
 def stop_all() -> None:
-    """End all spins in this process; a signal handler can call this function."""
+    """Stop all executors in this process; a signal handler can call this function."""
     for context in tuple(_contexts):
         context.stop()
 
 
 def _forget_all() -> None:
-    """End all contexts in a newly forked process, where no thread spins."""
+    """End all contexts in a newly forked process, where no thread is spinning."""
     for context in _contexts:
         context._ok, context._graph, context._executors = False, None, []
 
@@ -202,10 +205,10 @@ os.register_at_fork(after_in_child=_forget_all)
 
 @atexit.register
 def _shut_down_all() -> None:
-    """Leave all domains when the interpreter exits, so that other programs notice at once.
+    """Leave all domains when the interpreter exits, so that other programs notice the exit at once.
 
-    Threads that are still running are daemon threads, which are about to be stopped. Don't report their errors about
-    closed contexts.
+    Threads that are still running are daemon threads, which are about to be stopped. Don't report the errors that
+    these threads raise about closed contexts.
     """
     report = threading.excepthook
 

@@ -1,4 +1,4 @@
-"""rclpy's exceptions, and an exception that the pocket ROS 2 adds."""
+"""rclpy's exceptions, and two exceptions that the pocket ROS 2 adds."""
 
 from typing import Any, ClassVar
 
@@ -15,7 +15,7 @@ class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, like all
 
 
 class ROSInterruptException(Exception):  # noqa: N818
-    """A shutdown ended a wait."""
+    """A shutdown interrupted a wait."""
 
     def __init__(self) -> None:
         super().__init__("rclpy.shutdown() has been called")
@@ -29,7 +29,7 @@ class NoTypeSupportImportedException(Exception):  # noqa: N818
 
 
 class NameValidationException(Exception):  # noqa: N818
-    """A name breaks the naming rules; the message marks the position."""
+    """A name breaks the naming rules; the error message marks where."""
 
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
@@ -102,7 +102,7 @@ class InvalidParameterException(ParameterException):
 
 
 class InvalidParameterTypeException(ParameterException):
-    """A parameter got a value of the wrong type."""
+    """A parameter was given a value of the wrong type."""
 
     from rclpy.parameter import Parameter  # noqa: PLC0415  (as in rclpy, where this class has it)
 
@@ -113,7 +113,7 @@ class InvalidParameterTypeException(ParameterException):
 
 
 class InvalidParameterValueException(ParameterException):
-    """A parameter got a value that its descriptor does not allow."""
+    """A parameter was given a value that its descriptor does not allow."""
 
     def __init__(self, parameter: str, value: Any, reason: str) -> None:
         super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)

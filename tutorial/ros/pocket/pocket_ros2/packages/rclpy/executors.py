@@ -38,10 +38,10 @@ class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
 class SingleThreadedExecutor:
     """Runs callbacks one at a time, on the thread that calls a ``spin`` method.
 
-    All other methods can be called from any thread.
+    All methods that do not spin can be called from any thread.
 
     Args:
-        context: the executor's context; None uses the default context.
+        context: the executor's context; if None, the default context.
 
     Raises:
         RCLError: the context is not running.
@@ -70,7 +70,7 @@ class SingleThreadedExecutor:
         return self._context
 
     def add_node(self, node: Node) -> bool:
-        """Add a node and run its callbacks; return False if it has already been added."""
+        """Add a node whose callbacks the executor is to run; return False if the node has already been added."""
         with self._lock:
             if node in self._nodes:
                 return False
@@ -90,7 +90,7 @@ class SingleThreadedExecutor:
         return list(self._nodes)
 
     def wake(self) -> None:
-        """Wake the executor because something was added or removed, or because it has to stop."""
+        """Wake the executor so that it notices a change or stops."""
         self._outdated = True
         with suppress(TransportError):  # the context may be closing
             self._waiter.wake()
@@ -99,7 +99,7 @@ class SingleThreadedExecutor:
         """Run callbacks until the executor is shut down.
 
         Raises:
-            ExternalShutdownException: the context was shut down, not the executor.
+            ExternalShutdownException: the context was shut down, but the executor was not.
         """
         self._spin()
 
@@ -107,7 +107,7 @@ class SingleThreadedExecutor:
         """Run one callback, waiting for one if necessary.
 
         Args:
-            timeout_sec: how long to wait [s]; None or a negative number waits forever.
+            timeout_sec: how long to wait [s]; forever if None or negative.
 
         Raises:
             ExternalShutdownException: the context was shut down during the wait.
@@ -116,11 +116,11 @@ class SingleThreadedExecutor:
         self._spin(_deadline(timeout_sec), once=True)
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        """Run callbacks until a future is done or cancelled, or time runs out.
+        """Run callbacks until a future is done or cancelled, or until the timeout expires.
 
         Args:
             future: the future.
-            timeout_sec: how long to wait [s]; None or a negative number waits forever.
+            timeout_sec: how long to wait [s]; forever if None or negative.
         """
         with future._telling(lambda _: self.wake()):
             self._spin(_deadline(timeout_sec), until=lambda: future.done() or future.cancelled())
@@ -137,12 +137,12 @@ class SingleThreadedExecutor:
         return True
 
     def wait_until_stopped(self, timeout_sec: float) -> None:
-        """Wait until no thread spins, or time runs out [s]. Return at once on the thread that spins."""
+        """Wait until no other thread is spinning, but no longer than the timeout [s]."""
         if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
             self._spinning.release()
 
     def _spin(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False, once: bool = False) -> None:
-        """Run callbacks, or only one, until a deadline [s, monotonic clock]. Only one caller at a time can spin."""
+        """Run callbacks, or just one, until a deadline [s, monotonic clock]. Only one thread can spin at a time."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         self._spinner = threading.get_ident()
@@ -159,7 +159,7 @@ class SingleThreadedExecutor:
             self._close_if_shut_down()
 
     def _run_one(self, deadline: float, until: Callable[[], bool]) -> None:
-        """Run one callback, waiting for one if necessary, until a deadline [s, monotonic clock]."""
+        """Run one callback; if none is ready, wait for one until a deadline [s, monotonic clock]."""
         while not self._is_shutdown and not until():
             if not self._context.ok():
                 raise ExternalShutdownException
@@ -185,11 +185,11 @@ class SingleThreadedExecutor:
         return False
 
     def _wait(self, timeout: float) -> None:
-        """Wait for a message, an event, a timer or :meth:`wake`, and start a round.
+        """Wait for a message, an event, a timer or a call of :meth:`wake`, and start a round of callbacks.
 
         In each round, every ready entity gets one turn, so that a busy topic does not delay the other entities.
-        Entities that are not ready are not checked, because the checks would slow down a node with a hundred
-        subscriptions.
+        The round includes only the subscriptions that have messages, because checking all of them would slow down a
+        node with a hundred subscriptions.
         """
         waits = [timer.wait_time() for timer in self._timers] + [guard.wait_time() for guard in self._guards]
         timeout = max(0.0, min([timeout, *waits]))
@@ -210,7 +210,7 @@ class SingleThreadedExecutor:
             endpoint.report_events()
 
     def _look_around(self) -> None:
-        """Read the nodes' entities, and include them in all later waits."""
+        """Collect the nodes' entities, and include them in all later waits."""
         self._outdated = False
         self._timers = [timer for node in self._nodes for timer in node.timers]
         self._guards = [guard for node in self._nodes for guard in node.guards]
@@ -222,7 +222,7 @@ class SingleThreadedExecutor:
                 self._waiter.watch([(self._context.graph.changes, None), *watched])
 
     def _close_if_shut_down(self) -> None:
-        """Release everything once the executor is shut down and no thread spins; otherwise do nothing."""
+        """Release everything if the executor has been shut down and no thread is spinning; otherwise do nothing."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
         self._ready = iter(())

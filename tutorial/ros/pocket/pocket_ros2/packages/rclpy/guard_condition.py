@@ -36,7 +36,7 @@ class GuardCondition(Destroyable):
         self._node.wake_executor()
 
     def destroy(self) -> None:
-        """Destroy the guard condition. Idempotent. As in rclpy, the node still lists it."""
+        """Destroy the guard condition. Idempotent. As in rclpy, ``Node.guards`` still includes the guard condition."""
         self._node._remove(self, keep=True)
 
     def close(self) -> None:
@@ -44,11 +44,11 @@ class GuardCondition(Destroyable):
         self._destroyed = True
 
     def wait_time(self) -> float:
-        """Return how long the executor can wait before it executes this condition [s]."""
+        """Return how long the executor can wait before it has to run the callback [s]."""
         return 0.0 if self._triggered and not self._destroyed else math.inf
 
     def execute(self) -> bool:
-        """Run the callback if the condition was triggered. Called by the executor.
+        """Run the callback if the condition has been triggered. Called by the executor.
 
         Returns:
             Whether the callback was called.

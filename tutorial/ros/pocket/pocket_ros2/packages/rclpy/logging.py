@@ -1,4 +1,4 @@
-"""Log lines on stderr, as ROS 2 writes them: ``[INFO] [1700000000.123456789] [node]: text``."""
+"""Write log lines to stderr as ROS 2 does: ``[INFO] [1700000000.123456789] [node]: text``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class LoggingSeverity(IntEnum):
 
 
 class Listener(Protocol):
-    """Receives the log lines of a logger and its children, such as a node that publishes them on ``/rosout``."""
+    """A receiver of the log lines of a logger and its children, such as a node that publishes them on ``/rosout``."""
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
         """Receive a line; called on the thread that logs."""
@@ -51,7 +51,7 @@ _lock = threading.RLock()
 
 @dataclass
 class _Place:
-    """A line of code that logs: its arguments on the first call, and the state of its filters."""
+    """A line of code that logs: the arguments of its first call, and the state of its filters."""
 
     asked: tuple[LoggingSeverity, str, list[str], dict[str, Any]]
     last_logged: float = -inf  # `time.monotonic` can be near 0 just after boot
@@ -59,7 +59,7 @@ class _Place:
     logged: bool = False
 
     def is_due(self) -> bool:
-        """Apply the filters, which may change their state."""
+        """Return whether the filters let a line through, and update their state."""
         _, _, filters, options = self.asked
         if "throttle" in filters:
             now = time.monotonic()
@@ -113,7 +113,7 @@ class RcutilsLogger:
         return self.log(message, LoggingSeverity.INFO, **kwargs)
 
     def warning(self, message: str, **kwargs: Any) -> bool:
-        """Log a possible mistake."""
+        """Log a possible problem."""
         return self.log(message, LoggingSeverity.WARN, **kwargs)
 
     warn = warning
@@ -131,7 +131,7 @@ class RcutilsLogger:
 
         Raises:
             TypeError: the message is not a string, or an option is unknown.
-            ValueError: the same line of code has already logged with different options.
+            ValueError: the calling line of code has logged before, but with different options.
         """
         severity = LoggingSeverity(severity)
         name = kwargs.pop("name", self.name)
@@ -156,7 +156,7 @@ def get_logger(name: str) -> RcutilsLogger:
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bool = False) -> None:  # noqa: ARG001
-    """Drop a logger's lines below a severity; "" is the parent of all loggers."""
+    """Set the lowest severity that a logger writes; "" is the parent of all loggers."""
     _levels[name] = LoggingSeverity(level)
 
 
@@ -193,7 +193,7 @@ def _change(before: tuple[Any, ...], now: tuple[Any, ...]) -> str:
 
 
 def _caller(frame: FrameType | None) -> tuple[str, str, int, int]:
-    """Return where the program logs: the first frame outside this module."""
+    """Return where the logger was called from: the first frame outside this module."""
     while frame is not None and frame.f_code.co_filename == __file__:
         frame = frame.f_back
     assert frame is not None

@@ -48,11 +48,11 @@ class Node(NodeGraph, NodeParameters):
     """A member of the node graph with a name, publishers, subscriptions and timers. Can be used from any thread.
 
     While its parameter ``use_sim_time`` is true, its clock and the timers that use this clock follow the messages on
-    ``/clock``: the time advances when the callback of such a message runs, on the thread that spins.
+    ``/clock``: the time advances when the callback for a ``/clock`` message runs, on the thread that spins.
 
     Args:
         node_name: the node's name; a remapping on the command line takes precedence.
-        context: the node's context; None uses the default context.
+        context: the node's context; if None, the default context.
         cli_args: a command line for this node only.
         namespace: prefix of the node's name and its topics' names.
         use_global_arguments: also use the process's command line.
@@ -178,8 +178,8 @@ class Node(NodeGraph, NodeParameters):
         Args:
             msg_type: class of the messages.
             topic: the topic's name; relative to the node's namespace unless it begins with a slash.
-            qos_profile: the QoS; an int is the number of messages kept for slow subscriptions.
-            publisher_class: the class to create, such as a subclass of `Publisher` that overrides ``publish``.
+            qos_profile: the QoS, or just the number of messages to keep for slow subscriptions.
+            publisher_class: the class to instantiate, such as a subclass of `Publisher` that overrides ``publish``.
             **options: rclpy's other options, which the pocket ROS 2 does not support.
 
         Raises:
@@ -206,8 +206,8 @@ class Node(NodeGraph, NodeParameters):
         Args:
             msg_type: class of the messages.
             topic: the topic's name; relative to the node's namespace unless it begins with a slash.
-            callback: called with each message, or with the message and a dict about it, on the thread that spins.
-            qos_profile: the QoS; an int is the number of messages that can wait for the callback.
+            callback: called on the thread that spins, with each message, or with the message and a dict of metadata.
+            qos_profile: the QoS, or just the number of messages that can wait for the callback.
             raw: pass bytes to the callback instead of messages.
             **options: rclpy's other options, which the pocket ROS 2 does not support.
 
@@ -235,7 +235,7 @@ class Node(NodeGraph, NodeParameters):
             timer_period_sec: time between calls [s].
             callback: called without arguments, on the thread that spins.
             callback_group: not supported by the pocket ROS 2.
-            clock: the timer's clock; None uses the node's clock, which can be simulated.
+            clock: the timer's clock; if None, the node's clock, which can be simulated.
             autostart: start immediately.
 
         Raises:
@@ -250,7 +250,7 @@ class Node(NodeGraph, NodeParameters):
         """Create a guard condition.
 
         Args:
-            callback: called without arguments, on the thread that spins, after any thread has triggered the condition.
+            callback: called without arguments, on the thread that spins, once any thread has triggered the condition.
             callback_group: not supported by the pocket ROS 2.
         """
         _absent.refuse("Node.create_guard_condition", {"callback_group": callback_group})
@@ -262,7 +262,7 @@ class Node(NodeGraph, NodeParameters):
 
         Args:
             frequency: the number of times that the loop runs per second [Hz].
-            clock: the rate's clock; None uses the node's clock.
+            clock: the rate's clock; if None, the node's clock.
 
         Raises:
             ValueError: the frequency is not positive.
@@ -272,23 +272,23 @@ class Node(NodeGraph, NodeParameters):
         return Rate(self.create_timer(1.0 / frequency, lambda: None, clock=clock), context=self._context)
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
-        """Destroy a publisher of this node; return False if the node does not have it."""
+        """Destroy one of the node's publishers; return False if the node has no such publisher."""
         return publisher in self.publishers and self._remove(publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
-        """Destroy a subscription of this node; return False if the node does not have it."""
+        """Destroy one of the node's subscriptions; return False if the node has no such subscription."""
         return subscription in self.subscriptions and self._remove(subscription)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        """Destroy a timer of this node; return False if the node does not have it."""
+        """Destroy one of the node's timers; return False if the node has no such timer."""
         return timer in self.timers and self._remove(timer)
 
     def destroy_guard_condition(self, guard: GuardCondition) -> bool:
-        """Destroy a guard condition of this node; return False if the node does not have it."""
+        """Destroy one of the node's guard conditions; return False if the node has no such guard condition."""
         return guard in self.guards and self._remove(guard)
 
     def destroy_rate(self, rate: Rate) -> bool:
-        """Destroy a rate of this node, and wake its sleepers; return False if the node does not have it."""
+        """Destroy one of the node's rates, and wake its sleepers; return False if the node has no such rate."""
         destroyed = self.destroy_timer(rate._timer)
         rate.destroy()
         return destroyed
@@ -308,16 +308,16 @@ class Node(NodeGraph, NodeParameters):
         self.wake_executor()
 
     def wake_executor(self) -> None:
-        """Wake the executor, because something was added or removed."""
+        """Wake the node's executor so that it notices a change."""
         if executor := self.executor:
             executor.wake()
 
     def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> QoSProfile:
-        """Check a program's arguments for an endpoint, and return the resulting QoS profile.
+        """Check the arguments with which a program creates an endpoint, and return its QoS profile.
 
         Raises:
             ValueError: the depth is negative.
-            TypeError: the profile is not a QoSProfile or an int.
+            TypeError: the profile is neither a QoSProfile nor an int.
             InvalidTopicNameException: the topic's name breaks the naming rules.
             AttributeError: the type is not a message type.
         """
@@ -338,7 +338,7 @@ class Node(NodeGraph, NodeParameters):
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
-        """Convert an error in creating an entity to rclpy's error, even if the node or context has just been closed."""
+        """Raise rclpy's error if an entity cannot be created, even if the node or context has just been closed."""
         self._require_context(what)
         try:
             yield
@@ -363,7 +363,10 @@ class Node(NodeGraph, NodeParameters):
         return entity
 
     def _remove(self, entity: Any, keep: bool = False) -> bool:
-        """Destroy an entity, or return False if the node does not have it. With ``keep``, the node still lists it."""
+        """Destroy an entity, or return False if the node has no such entity.
+
+        If ``keep`` is true, the node still lists the entity.
+        """
         with self._lock:
             if entity not in self._entities or (keep and entity._destroyed):
                 return False
@@ -387,7 +390,7 @@ class Node(NodeGraph, NodeParameters):
         self._parameter_events.publish(event)
 
     def _use_sim_time(self, enabled: bool) -> None:
-        """Switch the clock to ``/clock``, or back to the system's time."""
+        """Make the clock follow ``/clock``, or switch it back to the system's time."""
         if enabled == self._clock.ros_time_is_active:
             return
         self._clock._jump(enabled, self._clock._simulated_ns)
@@ -400,7 +403,7 @@ class Node(NodeGraph, NodeParameters):
         self._clock.set_ros_time_override(Time.from_msg(message.clock))
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
-        """Publish a log line on ``/rosout``. Called by the logger, so a concurrent shutdown is not an error."""
+        """Publish a log line on ``/rosout``, unless a shutdown prevents it. Called by the logger."""
         rosout = self._rosout
         if rosout is None or not self._context.ok():
             return

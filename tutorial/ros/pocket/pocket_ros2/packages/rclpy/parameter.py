@@ -17,16 +17,16 @@ class Parameter:
 
     Args:
         name: the parameter's name.
-        type_: the parameter's type; None uses the type of the value.
+        type_: the parameter's type; if None, the type of the value.
         value: a value of a type that parameters can have.
 
     Raises:
-        TypeError: parameters cannot have such a value.
+        TypeError: parameters cannot have a value of this type.
         ValueError: the value is not of the given type.
     """
 
     class Type(Enum):
-        """Types that parameters can have, with the numbers of ``rcl_interfaces/msg/ParameterType``."""
+        """Types that parameters can have, numbered as in ``rcl_interfaces/msg/ParameterType``."""
 
         NOT_SET = 0
         BOOL = 1
@@ -61,7 +61,7 @@ class Parameter:
             return self.name != "BYTE_ARRAY" or all(len(value) == 1 for value in parameter_value)
 
         def _describes(self, parameter_value: Any) -> bool:
-            """Return whether a value, or every element of it, is of this type."""
+            """Return whether a value is of this type; for an array type, check each element."""
             element, is_array = _PYTHON_TYPES[self.name.removesuffix("_ARRAY")], self.name.endswith("_ARRAY")
             values = parameter_value if is_array else [parameter_value]
             return isinstance(values, (list, tuple, array)) and all(isinstance(value, element) for value in values)
@@ -98,7 +98,7 @@ class Parameter:
 
 
 def get_parameter_value(string_value: str) -> ParameterValue:
-    """Parse a value as on a command line: ``"1"`` is an integer, ``"[a, b]"`` a list of strings."""
+    """Parse a value as ROS 2 does on a command line: ``"1"`` is an integer, ``"[a, b]"`` is a list of strings."""
     import yaml  # noqa: PLC0415  (rarely needed)
 
     try:
@@ -120,7 +120,7 @@ def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
     """Return the Python value of a ``rcl_interfaces.msg.ParameterValue``, or None if it is not set.
 
     Raises:
-        RuntimeError: its type is unknown.
+        RuntimeError: the type of the value is unknown.
     """
     try:
         type_ = Parameter.Type(parameter_value.type)
@@ -133,7 +133,7 @@ def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
 
 
 def _field(type_: Parameter.Type) -> str:
-    """Return the name of the ParameterValue field that holds values of a type."""
+    """Return the name of the ParameterValue field that holds values of a given type."""
     return f"{type_.name.lower()}_value"
 
 

@@ -25,9 +25,9 @@ class Publisher(Endpoint):
 
         Raises:
             TypeError: the message is of a different type, or a field holds a value that does not match its type.
-            AttributeError: a field that must hold a message holds another value.
+            AttributeError: a field that must hold a message holds something else.
             InvalidHandle: the publisher has been destroyed.
-            RCLError: the context has been shut down, perhaps by a signal; the error ends a loop that publishes.
+            RCLError: the context has been shut down, perhaps by a signal; a publishing loop ends with this error.
         """
         self._require_handle()
         if isinstance(msg, self.msg_type):

@@ -14,14 +14,14 @@ ZERO_DEPTH = (
 
 
 class InvalidQoSProfileException(Exception):  # noqa: N818  (rclpy's name)
-    """A profile has settings that are incompatible with one another."""
+    """A QoS profile lacks a required setting."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__("Invalid QoSProfile", *args)
 
 
 class _ShortKeys(Enum):
-    """Enum whose members also have the names that the ``ros2`` command uses, such as ``"best_effort"``."""
+    """An enum whose members also have the names that the ``ros2`` command uses, such as ``"best_effort"``."""
 
     @classmethod
     def short_keys(cls) -> list[str]:
@@ -30,7 +30,7 @@ class _ShortKeys(Enum):
 
     @classmethod
     def get_from_short_key(cls, name: str) -> Any:
-        """Return the value of the member with a short name: a policy's number, or a profile."""
+        """Return the value of the member with a given short name: a policy's number, or a profile."""
         return cls[name.upper()].value
 
     @property
@@ -40,7 +40,7 @@ class _ShortKeys(Enum):
 
 
 class QoSPolicyEnum(_ShortKeys, IntEnum):
-    """Base class of the policies, with the numbers that rmw uses."""
+    """Base class of the policies, whose values are numbered as in rmw."""
 
 
 class HistoryPolicy(QoSPolicyEnum):
@@ -63,7 +63,7 @@ class ReliabilityPolicy(QoSPolicyEnum):
 
 
 class DurabilityPolicy(QoSPolicyEnum):
-    """Whether a late subscription receives earlier messages."""
+    """Whether a late-joining subscription receives earlier messages."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -83,7 +83,7 @@ class LivelinessPolicy(QoSPolicyEnum):
 
 
 class _OldName:
-    """A deprecated name of a policy, which still works but causes a warning."""
+    """A deprecated name for a policy's value; the name still works, but using it causes a warning."""
 
     def __init__(self, old: str, new: str) -> None:
         self._old, self._new = old, new
@@ -119,9 +119,9 @@ class QoSProfile:
 
     Attributes:
         history: which messages are stored.
-        depth: how many messages are stored with ``KEEP_LAST``.
+        depth: how many messages are stored if the history is ``KEEP_LAST``.
         reliability: whether lost messages are sent again.
-        durability: whether a late subscription receives earlier messages.
+        durability: whether a late-joining subscription receives earlier messages.
         lifespan: maximum age of a message; 0 means no limit, here and in the durations below.
         deadline: longest expected time between messages.
         liveliness: how a publisher shows that it is alive.
@@ -170,7 +170,7 @@ DEFAULTS: dict[str, Any] = {p.name: Duration() if p.default is MISSING else p.de
 
 
 def _every_policy(name: str, **others: Any) -> QoSProfile:
-    """Return a profile that uses the value ``name`` for every policy that has this value."""
+    """Return a profile that uses the value called ``name`` for every policy that has a value of this name."""
     kinds = {setting: type(default) for setting, default in DEFAULTS.items() if isinstance(default, QoSPolicyEnum)}
     return QoSProfile(**{policy: kind[name] for policy, kind in kinds.items() if name in kind.__members__}, **others)
 

@@ -5,7 +5,7 @@ from rclpy._wire import check_message_type, decode, encode
 
 
 def serialize_message(message: Message) -> bytes:
-    """Return a message as CDR bytes with their header.
+    """Return a message as CDR bytes, including the CDR header.
 
     Raises:
         AttributeError: the argument is not a message.

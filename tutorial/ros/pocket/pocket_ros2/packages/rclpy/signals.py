@@ -23,7 +23,7 @@ _previous: dict[int, Any] = {}
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
-    """Shut down all contexts on these signals.
+    """Shut down all contexts when one of these signals arrives.
 
     Python allows signal handlers to be set only on the main thread; on any other thread, this function has no effect.
     The previous handlers are still called, so Ctrl-C still raises KeyboardInterrupt.

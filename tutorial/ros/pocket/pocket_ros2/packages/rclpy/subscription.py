@@ -24,13 +24,13 @@ Callback = Callable[..., object]
 class Subscription(Endpoint):
     """Receives a topic's messages; created by ``Node.create_subscription``.
 
-    Its callback runs on the thread that spins. Everything else can be used from any thread.
+    Its callback runs on the thread that spins. The subscription itself can be used from any thread.
 
     Args:
         node: the subscription's node.
         msg_type: the class of its messages.
         topic: the topic's name, as the program gives it.
-        callback: called with each message, or with the message and a dict about it.
+        callback: called with each message, or with the message and a dict of its metadata.
         qos_profile: its QoS, including the number of messages that can wait for the callback.
         raw: pass bytes to the callback instead of messages.
     """
@@ -54,7 +54,7 @@ class Subscription(Endpoint):
 
     @property
     def callback(self) -> Callback:
-        """The function that is called with each message, or with the message and a dict about it."""
+        """The function that is called with each message, or with the message and a dict of its metadata."""
         return self._callback
 
     @callback.setter
@@ -92,7 +92,7 @@ class Subscription(Endpoint):
         return False
 
     def _take(self) -> tuple[bytes, int] | None:
-        """Return the next message undecoded, and the time when it was sent [ns]; None if there is no message."""
+        """Return the next message, still encoded, and the time when it was sent [ns]; None if there is no message."""
         try:
             return None if self._destroyed else self._wire.take()
         except TransportError:

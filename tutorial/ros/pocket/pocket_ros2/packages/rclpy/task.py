@@ -15,7 +15,7 @@ from rclpy import _absent
 class Future:
     """A result that becomes available later; can be set and read on any thread.
 
-    ``rclpy.spin_until_future_complete`` waits for it while callbacks run.
+    ``rclpy.spin_until_future_complete`` runs callbacks until the future is done.
 
     Args:
         executor: not supported by the pocket ROS 2.
@@ -43,13 +43,13 @@ class Future:
         return self._cancelled
 
     def result(self) -> Any:
-        """Return the result, or None if there is no result yet; raise the exception that was set instead."""
+        """Return the result, or None if there is no result yet; if an exception was set instead, raise it."""
         if exception := self.exception():
             raise exception
         return self._result
 
     def exception(self) -> Exception | None:
-        """Return the exception that was set instead of a result; None without an exception."""
+        """Return the exception that was set instead of a result, or None if no exception was set."""
         self._exception_fetched = True
         return self._exception
 
@@ -66,7 +66,7 @@ class Future:
         self._finish(_cancelled=not self._done)
 
     def add_done_callback(self, callback: Callable[[Future], object]) -> None:
-        """Call a function once the future has a result or is cancelled; call it immediately if a result exists."""
+        """Call a function when the future gets a result or is cancelled, or at once if it already has a result."""
         with self._lock:
             if not self._done:
                 self._callbacks.append(callback)

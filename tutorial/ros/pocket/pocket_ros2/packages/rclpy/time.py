@@ -15,12 +15,12 @@ from rclpy.duration import Duration
 
 @total_ordering
 class Time:  # noqa: PLW1641  (rclpy's has no hash either)
-    """A point in time, in whole nanoseconds since the beginning of its clock.
+    """A point in time, in whole nanoseconds since the epoch of its clock.
 
     Args:
         seconds: the time [s]; not negative.
         nanoseconds: added to ``seconds`` [ns]; not negative.
-        clock_type: the kind of clock; times of different kinds cannot be compared.
+        clock_type: the kind of clock; times from different kinds of clocks cannot be compared.
 
     Raises:
         ValueError: an argument is negative.
@@ -96,7 +96,7 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
         return self._nanoseconds < self._comparable(other) if isinstance(other, Time) else NotImplemented
 
     def _comparable(self, other: Time, what: str = "compare") -> int:
-        """Return another time [ns], or raise TypeError if it is of a different clock type."""
+        """Return another time [ns], or raise TypeError if its clock type is different."""
         if self._clock_type != other._clock_type:
             raise TypeError(f"Can't {what} times with different clock types")
         return other._nanoseconds

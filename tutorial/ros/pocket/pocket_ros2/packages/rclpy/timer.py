@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 class Timer(Destroyable):
     """Runs a callback periodically; created by ``Node.create_timer``.
 
-    The callback runs on the thread that spins. If that thread is late, missed calls are skipped and later calls stay on
-    schedule, as in ROS 2. With simulated time, the timer fires when a message on ``/clock`` reaches the time of the
-    next call. Once the timer is destroyed, its methods raise InvalidHandle.
+    The callback runs on the thread that spins. If the spinning thread is late, missed calls are skipped and later calls
+    stay on schedule, as in ROS 2. With simulated time, the timer fires when the time on ``/clock`` reaches the time of
+    the next call. Once the timer is destroyed, its methods raise InvalidHandle.
 
     Args:
         node: the timer's node.
         callback: called without arguments.
         timer_period_ns: time between calls [ns].
         clock: the clock that measures the period.
-        autostart: start immediately; otherwise start with :meth:`reset`.
+        autostart: start immediately; if False, the timer starts when :meth:`reset` is called.
 
     Raises:
         RCLError: the period is negative, or the context is not running.
@@ -81,7 +81,7 @@ class Timer(Destroyable):
         return None if self._canceled else until
 
     def destroy(self) -> None:
-        """Destroy the timer. Idempotent. As in rclpy, the node still lists it."""
+        """Destroy the timer. Idempotent. As in rclpy, ``Node.timers`` still includes the timer."""
         self._node._remove(self, keep=True)
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class Timer(Destroyable):
         self.clock._timers.discard(self)
 
     def wait_time(self) -> float:
-        """Return how long the executor can wait for it [s]; infinite if only a message on ``/clock`` can trigger it."""
+        """Return how long the executor can wait for the timer [s]; infinite if only ``/clock`` can trigger it."""
         left = self._next_call - self.clock._timer_ns()
         stands = left > 0 and self.clock._is_simulated
         return math.inf if self._destroyed or self._canceled or stands else left / S_TO_NS
@@ -111,7 +111,7 @@ class Timer(Destroyable):
         return True
 
     def clock_has_jumped(self, before: int, switched: bool) -> None:
-        """Handle a clock jump as rcl does: restart after a jump backwards, keep the remaining time after a switch.
+        """Handle a clock jump as rcl does: restart after a jump backwards, but keep the remaining time after a switch.
 
         Args:
             before: the clock's time before the jump [ns].
@@ -157,7 +157,7 @@ class Rate:
         Raises:
             ROSInterruptException: the context has been shut down.
             RuntimeError: the rate has been destroyed.
-            InvalidHandle: its timer has been destroyed.
+            InvalidHandle: the rate's timer has been destroyed.
         """
         self._require_alive()
         with self._lock:

@@ -22,7 +22,7 @@ class TopicEndpointInfo:
     Attributes:
         topic_type: the message type, such as ``"sensor_msgs/msg/Joy"``.
         endpoint_gid: the 16 bytes that identify the endpoint.
-        qos_profile: the QoS that it offers or requests.
+        qos_profile: the QoS that the endpoint offers or requests.
     """
 
     node_name: str

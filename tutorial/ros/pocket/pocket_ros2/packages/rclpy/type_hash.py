@@ -9,7 +9,7 @@ class TypeHash:
 
     Attributes:
         version: version of the algorithm; -1 if there is no hash.
-        value: the hash, 32 bytes.
+        value: the 32 bytes of the hash.
     """
 
     version: int = -1

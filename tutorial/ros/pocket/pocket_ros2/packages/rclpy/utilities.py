@@ -26,7 +26,7 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
-    """Return a command line without its ROS arguments; None uses ``sys.argv``."""
+    """Return a command line, by default ``sys.argv``, without its ROS arguments."""
     return _arguments.split(sys.argv if args is None else args)[1]
 
 
@@ -36,16 +36,16 @@ def ok(*, context: Context | None = None) -> bool:
 
 
 def shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down; None shuts the default context down, and a new context replaces it.
+    """Shut down a context; if None, shut down the default context and replace it with a new one.
 
     Raises:
-        RuntimeError: the context has not been started, or has been shut down.
+        RuntimeError: the context has not been started, or has already been shut down.
     """
     (context or get_default_context(shutting_down=True)).shutdown()
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down if it is running; None shuts the default context down, and a new context replaces it."""
+    """Shut down a context like :func:`shutdown`, but raise no error if the context is not running."""
     (context or get_default_context(shutting_down=True)).try_shutdown()
 
 

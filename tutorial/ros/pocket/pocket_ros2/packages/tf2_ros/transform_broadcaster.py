@@ -13,7 +13,7 @@ class TransformBroadcaster:
 
     Args:
         node: the node that publishes.
-        qos: quality of service, or the number of messages kept for slow subscribers; None keeps 100.
+        qos: quality of service, or the number of messages kept for slow subscribers; if None, 100.
     """
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
