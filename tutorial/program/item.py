@@ -27,16 +27,16 @@ _log = logging.getLogger(__name__)
 class JointWatch:
     """Watches the joint states that move one body: counts them, and reports their faults and rival publishers.
 
-    It receives a report on every change to the body. Main thread only.
+    Its method `take` is called on every change to the body. Main thread only.
 
     Args:
         body: the displayed body.
         node: the node that the body's controllers use to subscribe.
 
     Attributes:
-        meters: the meters of its joint state subscriptions.
+        meters: the meters of the subscriptions to the body's joint states.
         applied: the number of messages that moved the body.
-        tally: the sums of the counts in all reports.
+        tally: each count, summed over all reports.
     """
 
     def __init__(self, body: Body, node: MeteredNode) -> None:
@@ -55,7 +55,7 @@ class JointWatch:
         body.on_change(self.take)
 
     def take(self, report: JointReport | None) -> None:
-        """Process the report on one message. A change that no message caused has no report, and is ignored."""
+        """Process the report on one message. Ignore None, which marks a change that was not caused by a message."""
         if report is None:
             return
         self.tally.update(report.counts())
@@ -75,7 +75,7 @@ class JointWatch:
             _log.warning("%s: %s", self._body.name, report)
 
     def stale(self) -> dict[str, int]:
-        """Return the age of the last position of each stale joint [s]; empty before the first message.
+        """For each stale joint, return the time since its last position [s]; empty before the first message.
 
         Coupled joints are excluded, because they follow other joints.
         """
@@ -104,11 +104,11 @@ class JointWatch:
         return f"no message on {topic} yet"
 
     def _contested(self) -> str:
-        """Return a text that names the publishers; empty if no message from a rival has arrived for a while."""
+        """Return a note about the competing publishers; empty if no rival's message has arrived for a while."""
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
     def _say_what_does_not_follow(self, report: JointReport) -> None:
-        """Warn if the first message does not name joints whose couplings the view does not compute."""
+        """Warn if the first message omits joints and the model has couplings that the view does not compute."""
         missing = set(self._body.joint_names).difference(report.joints, self._body.followers)
         if missing and (kinds := not_computed(self._body.model)):
             _log.warning(
@@ -118,7 +118,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Record that a rival's message has arrived. From time to time, look up the publishers, and log any change."""
+        """Note that a rival's message has arrived. Occasionally, look up the publishers; warn if they have changed."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return
@@ -170,7 +170,7 @@ class Item:
         """Make a controller and have it join the body.
 
         Raises:
-            TutorialError: the controller does not fit the body.
+            TutorialError: the controller could not join the body.
         """
         name = controller_class.__name__
         before = len(self._node.meters)
@@ -212,18 +212,18 @@ class Item:
 
 
 class _AskUntilClosed:
-    """A controller's `ask`. Once its scope is closed, all its requests are refused, even those that are waiting."""
+    """A controller's `ask` that refuses all requests, even waiting ones, once the controller's scope is closed."""
 
     def __init__(self, scope: CallScope, ask: Ask) -> None:
         self._scope = scope
         self._ask = ask
 
     def __call__(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Request that the function be called between two steps. Runs on the executor's thread."""
+        """Request that the function be called between two simulation steps. Runs on the executor's thread."""
         return self._ask(self._run, function, *args, timeout=timeout)
 
     def _run(self, function: Callable[..., Any], *args: object) -> Any:
-        """Call the function, unless the controller has left meanwhile. Runs on the simulation's thread."""
+        """Call the function, unless the controller has left the program. Runs on the simulation's thread."""
         if self._scope.closed:
             raise RefusedError(f"{self._scope.owner} has left the program.")
         return function(*args)

@@ -1,4 +1,4 @@
-"""Warnings about other programs in the same ROS domain that interfere with this one."""
+"""Warnings about other programs that use the same ROS domain and interfere with this program."""
 
 import logging
 import time
@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 
 
 class Neighbours:
-    """Warns if a second node has this program's name, or if a second program publishes the clock.
+    """Warns if another node has the same name as this program's node, or if another program also publishes the clock.
 
     Args:
         ros: the thread of the program's node.
@@ -34,7 +34,7 @@ class Neighbours:
         self._counts: dict[str, int] = {}  # the last count, by the text of its warning
 
     def check(self) -> None:
-        """Count nodes and publishers, at most once a second, and warn when there are more than before."""
+        """At most once a second, count the nodes of this name and the clock's publishers; warn if a count has risen."""
         if time.monotonic() - self._checked_at < CHECK_EVERY:
             return
         self._checked_at = time.monotonic()

@@ -72,7 +72,7 @@ class Project:
     Attributes:
         path: the project file.
         bodies: the bodies.
-        time_step: the simulation's time step [s]; None for a program that only displays.
+        time_step: the simulation's time step [s]; None for a program without a simulation.
         clock: whether the simulation publishes its time on ``/clock``.
     """
 
@@ -90,7 +90,7 @@ class Project:
 
         Raises:
             TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; the
-                error gives the line and the fix.
+                error gives the line and suggests a fix.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         items: dict[str, BodyItem] = {}
@@ -102,14 +102,14 @@ class Project:
         return cls(file.path, tuple(items.values()), simulator.time_step, simulator.clock)
 
     def with_robot(self, model: Path) -> Project:
-        """Return a project with a different model for the body that has the controllers.
+        """Return a project in which the only body with controllers has a different model.
 
         Args:
             model: the MJCF or URDF file; the body gets the file's name, capitalised.
 
         Raises:
-            TutorialError: no body or more than one has controllers, the model cannot be loaded, or a body cannot have
-                the file's name.
+            TutorialError: no body or several bodies have controllers, the model cannot be loaded, or the file's name
+                is not valid for a body.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
@@ -124,7 +124,7 @@ class Project:
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_model(self, body: str, model: Path) -> Project:
-        """Return a project where a body has a different model, such as a different line.
+        """Return a project in which a body has a different model, such as a line with a different course.
 
         Args:
             body: the body's name.
@@ -164,10 +164,11 @@ class Project:
         """Return a project where a user's controllers replace the controllers with the same names.
 
         Args:
-            classes: the classes by name. Base classes of other classes can have any name.
+            classes: the classes by name; those that are only base classes of others can have any name.
 
         Raises:
-            TutorialError: the project has no controller of that name; the error suggests the nearest name.
+            TutorialError: a class's name is not that of a controller in the project; the error suggests the nearest
+                name.
         """
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
@@ -207,13 +208,13 @@ def _origin(controller: type[SimpleController]) -> str:
 
 
 def _fleet(item: BodyItem) -> tuple[object, ...]:
-    """Return the common properties of a fleet's bodies: the name without its number, the model and the controllers."""
+    """Return what all bodies of a fleet share: the name without its number, the model and the controllers."""
     stem, _, number = item.placement.name.rpartition("_")
     return (stem or number, number.isdecimal(), item.placement.model, item.controllers)
 
 
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
-    """Return the body that one entry of a file describes, or each body of its fleet, by name. Errors give the line."""
+    """Return the body, or the bodies of the fleet, that an entry of a file describes, by name. Errors give the line."""
     at = partial(file.at, "bodies", index)
     with at("name"):
         if unfit := _unfit(body.name):
@@ -242,7 +243,7 @@ def _unfit(name: str) -> str:
 
 
 def _find_model(folder: Path, given: str) -> Path:
-    """Find a model in the project's folder, and compile it now, so that an error can give the project file's line."""
+    """Find a model in the project's folder. Compile it now so that errors can give the line in the project file."""
     if not is_file(folder / given):
         suffix = SUFFIX if given.endswith(SUFFIX) else ".xml"
         paths = (*folder.glob(f"*{suffix}"), *folder.glob(f"*/*{suffix}"))
@@ -253,7 +254,7 @@ def _find_model(folder: Path, given: str) -> Path:
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
-    """Return positions in rows, each filled from left to right (seen along x) and in front of the previous row."""
+    """Return positions on a grid, row by row towards +x, and from left to right (seen along x) within each row."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     x, y, z = middle

@@ -1,4 +1,4 @@
-"""The record of a run: one JSON file for each process. The demo builds its table from them."""
+"""The record of a run: one JSON file for each process. The demo builds its table from these files."""
 
 import json
 from collections import Counter, defaultdict
@@ -20,14 +20,15 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
 
     Args:
         node: its node's name.
-        seconds: the duration of the run [s], in simulated time if the process simulates.
+        seconds: the duration of the run [s], in simulated time if the process runs a simulation.
         meters: the node's meters.
         items: the displayed bodies.
 
     Returns:
-        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint has its
-        last published position, or else its displayed position [rad or m]. A topic has the counts ``published``,
-        ``received`` or both. If it has both, its rate and latency describe the received messages.
+        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint's
+        position is the last one published or, if none was published, the one displayed [rad or m]. A topic has a count
+        ``published``, a count ``received``, or both. If it has both, its rate and latency are those of the received
+        messages.
     """
     joints = {joint.name: joint.position for item in items for joint in item.body.joints}
     for meter in meters:
@@ -65,7 +66,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
 
 
 def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, dict[str, Any]]:
-    """Combine the meters by topic and direction: a topic's publishers share an entry, and so do its subscriptions."""
+    """Combine the meters by topic: add up the counts of a topic's publishers, and those of its subscriptions."""
     ends: defaultdict[tuple[str, str], list[TopicMeter]] = defaultdict(list)
     for meter in meters:
         ends[meter.direction, meter.topic].append(meter)

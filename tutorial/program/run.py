@@ -1,4 +1,4 @@
-"""Decides when a program's run is over: when its simulation stops or, if it only displays, after its duration."""
+"""Decide when a program's run is over: when its simulation stops or, if it has none, after a given duration."""
 
 import logging
 import time
@@ -17,11 +17,12 @@ _log = logging.getLogger(__name__)
 
 @dataclass
 class SimulatedRun:
-    """A run of a simulation that has been started. It is over when the simulation stops.
+    """A run of a program whose simulation has been started. It is over when the simulation stops.
 
     Args:
         simulation: the running simulation.
-        has_duration: whether the simulation should stop after a duration. If it hangs before then, the run stops it.
+        has_duration: whether the simulation is supposed to stop after a given duration. If it hangs before that,
+            `is_over` stops it.
     """
 
     simulation: Simulation
@@ -41,17 +42,17 @@ class SimulatedRun:
 
 @dataclass
 class DisplayedRun:
-    """A run of a program that only displays. It is over after its duration.
+    """A run of a program without a simulation. It is over after a given duration.
 
     Args:
         node: the program's node.
         calls: the main thread's queue of posted calls.
         duration: the run's duration [s]; None for no limit.
-        linger: the maximum time to wait after the duration until the publishers have left and the view has shown their
-            messages [s].
+        linger: the maximum time to wait, after the duration, for the publishers to leave and for their messages to be
+            shown [s].
 
     Attributes:
-        seconds: how long the run has taken [s].
+        seconds: how long the run has lasted so far [s].
     """
 
     node: MeteredNode

@@ -1,4 +1,4 @@
-"""Judges a race along a line: how far the tank has followed it, how long that took, and what the tank touched."""
+"""Judge a race along a line: how far the tank followed it, how long that took, and what the tank touched."""
 
 import math
 from collections.abc import Collection, Iterable
@@ -29,11 +29,11 @@ class Result:
     Attributes:
         progress: the fraction of the line that the tank has followed, 0 to 1.
         seconds: the race's duration in simulated time [s].
-        touched: what the tank has touched, and when, except for the floor, and for the rail that its barrel may touch.
+        touched: what the tank has touched, and when; excludes the floor, and contacts of its barrel with the rail.
         end: why the race has ended; empty during the race. It is `FINISHED` if the barrel has touched the rail after
             the tank reached the end of the line.
         foul: how the race was manipulated; empty if it was fair.
-        limit: the longest duration [s].
+        limit: the maximum duration [s].
     """
 
     progress: float = 0.0
@@ -52,9 +52,9 @@ class Result:
     def score(self) -> float:
         """The score, 0 to 100 points.
 
-        Following the line gives 60 points times the progress. Touching the rail gives 20 points, and up to 20 more for
-        the time: 20 * (1 - seconds / LIMIT). Each contact costs 5 points, but the score is never negative. After a
-        foul, the score is 0.
+        Following the line earns up to 60 points, in proportion to the progress. Touching the rail earns 20 points, plus
+        up to 20 for the time: 20 * (1 - seconds / LIMIT). Each contact costs 5 points, but the score is never negative.
+        After a foul, the score is 0.
         """
         if self.foul:
             return 0.0
@@ -69,26 +69,26 @@ class Result:
 
     @property
     def course(self) -> str:
-        """The course of the race, such as ``stuck: 72% of the line, 19.2 s, 0 contacts``."""
+        """A summary of the race, such as ``stuck: 72% of the line, 19.2 s, 0 contacts``."""
         contacts = f"{self.contacts} contact{'s' * (self.contacts != 1)}"
         state = f"{self.progress:.0%} of the line, {self.seconds:.1f} s, {contacts}"
         return f"{self.foul or self.end}: {state}" if self.end else state
 
     def __str__(self) -> str:
-        """Return the text that the line below the view shows."""
+        """Return the text to show in the line below the view."""
         return f"{self.course}, {self.score:.1f} points"
 
 
 class Race:
     """One race, in simulated time. Use it only on the thread that steps the simulation.
 
-    A point of the line counts once the tank's centre has come near all earlier points, in order, and then near this
-    point. Progress therefore never decreases, and shortcuts don't help, even where the line crosses itself. Progress is
-    0 until the tank moves.
+    A point of the line counts as reached once the tank's centre has come near all earlier points, in order, and then
+    near this point. Progress therefore never decreases, and shortcuts don't help, even where the line crosses itself.
+    Progress is 0 until the tank moves.
 
     Args:
         line: the points of the line [m], from its start to its end.
-        limit: the longest duration [s].
+        limit: the maximum duration [s].
 
     Attributes:
         result: the state so far.
@@ -111,7 +111,7 @@ class Race:
             seconds: the time since the start of the race [s].
             position: the position of the tank's centre [m], (x, y, z).
             touched: the names of the things that the tank touches.
-            on_rail: whether its barrel touches the rail.
+            on_rail: whether the tank's barrel touches the rail.
         """
         if self.over:
             return

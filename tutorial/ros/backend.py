@@ -1,4 +1,4 @@
-"""Choose the ROS 2 to use: a real ROS 2 if Python finds one or the user requests one, otherwise the pocket ROS 2."""
+"""Choose which ROS 2 to use: a real ROS 2 if Python finds one or the user requests one, otherwise the pocket ROS 2."""
 
 import os
 import sys
@@ -21,9 +21,9 @@ VARIABLE = "TUTORIAL_ROS"
 def ros_backend() -> Backend:
     """Return which ROS 2 this process uses: ``"rclpy"`` (a real ROS 2) or ``"pocket"`` (the pocket ROS 2).
 
-    The first call chooses the ROS 2, and makes rclpy and the message packages importable. A sourced ROS 2 takes
-    precedence. If there is none, ``TUTORIAL_ROS=rclpy`` selects the ROS 2 that ``tank ros install`` has installed. If
-    the variable is unset, the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` always selects the pocket ROS 2.
+    The first call makes the choice, and makes rclpy and the message packages importable. ``TUTORIAL_ROS=pocket`` always
+    selects the pocket ROS 2. Otherwise, a sourced ROS 2 is used. If there is none, ``TUTORIAL_ROS=rclpy`` selects the
+    ROS 2 that ``tank ros install`` has installed; if the variable is unset, the pocket ROS 2 is used.
 
     Raises:
         TutorialError: ``TUTORIAL_ROS`` has an invalid value, or the requested ROS 2 cannot be used.
@@ -32,9 +32,9 @@ def ros_backend() -> Backend:
 
 
 def use_real_ros() -> None:
-    """Use a real ROS 2 here and in child processes: a sourced ROS 2, or the ROS 2 installed by ``tank ros install``.
+    """Use a real ROS 2 in this process and its children: a sourced one, or the one that ``tank ros install`` installed.
 
-    Call it before importing anything from ROS 2, in the first cell of a notebook::
+    Call this function before importing anything from ROS 2; in a notebook, call it in the first cell::
 
         from tutorial import use_real_ros
 
@@ -49,10 +49,10 @@ def use_real_ros() -> None:
 
 
 def real_ros_needed(what: str) -> TutorialError:
-    """Return an error that names what needs a real ROS 2, and explains how to get and use a real ROS 2.
+    """Return an error that says what needs a real ROS 2, and explains how to install and use one.
 
     Args:
-        what: the subject of the sentence, such as ``"TankServer"``.
+        what: what needs a real ROS 2, such as ``"TankServer"``; the subject of the first sentence.
     """
     get = "" if folder.state() == "installed" else f" {folder.how_to_get_it()}"
     use = f"To use it, run export {VARIABLE}=rclpy or, in a notebook, use_real_ros()."
@@ -60,7 +60,7 @@ def real_ros_needed(what: str) -> TutorialError:
 
 
 def need_real_ros(what: str) -> None:
-    """Raise the error of `real_ros_needed` if this process uses the pocket ROS 2.
+    """Raise the error that `real_ros_needed` returns if this process uses the pocket ROS 2.
 
     Raises:
         TutorialError: this process uses the pocket ROS 2.
@@ -95,7 +95,7 @@ class _Guard(MetaPathFinder):
 
 
 def _require_backend(module: str) -> None:
-    """Raise the error of `ros_backend`, if it still fails, when a ROS 2 module is imported."""
+    """For ROS 2 modules, call `ros_backend` again: if it still fails, the import raises its error."""
     if module == "rclpy" or module.endswith(("_msgs", "_interfaces")):
         ros_backend()
 

@@ -1,4 +1,4 @@
-"""Make joystick messages (`sensor_msgs/Joy`) like those of the ROS 2 joy package's ``game_controller_node``."""
+"""Make joystick messages (`sensor_msgs/Joy`) like those of ``game_controller_node`` in the ROS 2 package joy."""
 
 from collections.abc import Sequence
 

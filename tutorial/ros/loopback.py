@@ -22,7 +22,7 @@ def loopback_is_up() -> bool:
 
 
 def require_loopback() -> None:
-    """Raise an error if the loopback interface is down: Cyclone DDS would fail, and Fast DDS would find no nodes.
+    """Raise an error if the loopback interface is down: without it, Cyclone DDS fails, and Fast DDS finds no nodes.
 
     Raises:
         TutorialError: the interface is down.

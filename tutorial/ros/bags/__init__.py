@@ -17,7 +17,7 @@ WITH_RCLPY = {"Player": "player", "Recorder": "recorder"}
 
 
 def __getattr__(name: str) -> Any:
-    """Import a class that needs rclpy on first use."""
+    """On first use, import a class that needs rclpy."""
     if name not in WITH_RCLPY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{WITH_RCLPY[name]}"), name)

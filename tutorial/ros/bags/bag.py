@@ -1,4 +1,4 @@
-"""Read a bag's topics and messages, as far as possible if the bag is damaged."""
+"""Read a bag's topics and messages, or as many of them as possible if the bag is damaged."""
 
 import logging
 import re
@@ -38,7 +38,7 @@ class BagTopic(NamedTuple):
 
 
 class _Information(msgspec.Struct):
-    """The fields that are read from a bag's ``metadata.yaml``; the bag's files also contain the other fields."""
+    """The fields read from a bag's ``metadata.yaml``; the information in the others is also in the bag's files."""
 
     message_count: int | None = None
     compression_mode: str = ""
@@ -50,7 +50,7 @@ class _Metadata(msgspec.Struct):
 
 
 class Bag:
-    """A bag recorded by ``tank bag record`` or ``ros2 bag record``; a damaged bag is read as far as possible.
+    """A bag recorded by ``tank bag record`` or ``ros2 bag record``; if it is damaged, as much as possible is read.
 
     Args:
         path: the bag's folder or one of its files, MCAP or SQLite.
@@ -61,7 +61,7 @@ class Bag:
         storage: ``"mcap"`` or ``"sqlite3"``.
         distro: the ROS 2 distribution that wrote it, such as ``"jazzy"``; empty if unknown.
         channels: descriptions of its topics, by name.
-        start, end: when the first and the last message were received [ns since 1970]; 0 if there are no messages.
+        start, end: when the first and last messages were received [ns since 1970]; 0 if there are no messages.
 
     Raises:
         TutorialError: there is no bag, or nothing in it can be read.
@@ -100,13 +100,13 @@ class Bag:
 
     @property
     def size(self) -> int:
-        """Total size of its files [bytes]."""
+        """Total size of the bag's files [bytes]."""
         told = self.path / "metadata.yaml"
         return sum(file.stat().st_size for file in (*self.files, *[told] * is_file(told)))
 
     @property
     def damage(self) -> str:
-        """A sentence about the missing or damaged data in the parts read so far; empty if there is no damage."""
+        """A sentence about the missing or damaged data found so far; empty if there is none."""
         if not self._faults:
             return ""
         first, more = list(self._faults)[:MOST_FAULTS], "; and others" if len(self._faults) > MOST_FAULTS else ""
@@ -131,8 +131,8 @@ class Bag:
         """Yield the messages in order of receipt: (topic, time [ns], message).
 
         Args:
-            topics: the topics to read; None for all topics whose types are known here. A warning names each omitted
-                topic.
+            topics: the topics to read; None for all topics whose types are known here. A warning is logged for
+                each topic that is skipped.
 
         Raises:
             TutorialError: there is no such topic, its type is not known here, or its messages are not in CDR.

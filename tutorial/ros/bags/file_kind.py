@@ -33,7 +33,7 @@ WEB_PAGE = ("<!doctype html", "<html")
 
 
 def suffix_of(path: Path) -> str:
-    """Return ``".mcap"`` or ``".db3"``, from a file's content or, failing that, its name; ``""`` if neither fits."""
+    """Return ``".mcap"`` or ``".db3"`` based on a file's content or, failing that, its name; ``""`` if neither fits."""
     try:
         head = _head(path)
     except OSError:
@@ -43,7 +43,7 @@ def suffix_of(path: Path) -> str:
 
 
 def foreign(path: Path) -> str:
-    """Explain what kind of file it is and what to do; return ``""`` if it is a bag's file, damaged or not."""
+    """Explain what kind of file this is and what to do with it; return ``""`` for a bag's file, damaged or not."""
     try:
         head = _head(path)
     except OSError as error:

@@ -2,7 +2,7 @@
 
 A file is a sequence of records. Messages are grouped in chunks, and a summary of the file follows the last chunk. The
 package mcap reads and writes single records. Its file reader, like the reader in rosbags, needs a complete file; this
-module also reads the incomplete file that a killed program or a failing disk has left.
+module can also read an incomplete file, such as one left by a killed program or a failing disk.
 """
 
 import struct
@@ -93,14 +93,14 @@ class McapWriter:
 
 
 class McapReader:
-    """Reads an MCAP file, as far as possible if it is damaged; the file is open only while messages are read.
+    """Reads an MCAP file, or as much of it as possible if it is damaged. The file is open only while it is being read.
 
     Args:
         path: the file.
-        say: called with each fault in the file when it is found; the text is the end of a sentence.
+        say: called with a description of each fault that is found; the description is the end of a sentence.
 
     Attributes:
-        channels: its topics by id, as far as the file has been read.
+        channels: the topics found in the file so far, by id.
 
     Raises:
         CorruptBagError: the file is not an MCAP file.
@@ -176,7 +176,7 @@ class McapReader:
                 self._say("a message in it belongs to no topic")
 
     def _take(self, record: records.McapRecord) -> None:
-        """Store a topic or its type's name. Store only the first with each id, because repetitions may be damaged."""
+        """Store a topic, or the name of a type. Ignore repetitions of an id, because they may be damaged."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
         elif isinstance(record, records.Channel):
@@ -204,7 +204,7 @@ class McapReader:
 
 
 class _Words(ReadDataStream):
-    """The content of a record, whose strings can contain any bytes."""
+    """A stream of a record's content; the strings in it need not be valid UTF-8."""
 
     def read_prefixed_string(self) -> str:
         return self.read(self.read4()).decode("utf-8", "backslashreplace")

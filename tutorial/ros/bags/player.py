@@ -34,13 +34,13 @@ _log = logging.getLogger(__name__)
 
 
 class Player:
-    """Plays a bag: publishes the recorded messages byte for byte, with the QoS that its publishers offered.
+    """Plays a bag: publishes the recorded messages byte for byte, with the QoS that the original publishers offered.
 
     Args:
         node: the node that publishes.
         bag: the bag to play.
         rate: the speed; 2 is twice as fast.
-        loop: start again at the end, until stopped.
+        loop: whether to start again at the end, until stopped.
         start_offset: time to skip at the beginning [s].
         topics: the topics to play; None for all.
         clock: how often to publish the bag's time on ``/clock`` [Hz], instead of the recorded ``/clock``; 0 for never.
@@ -83,13 +83,13 @@ class Player:
         self._refused: set[str] = set()
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
-        """Play to the end, or until stopped. This method blocks: don't call it on a thread whose event loop is running.
+        """Play to the end, or until stopped. This method blocks: don't call it on a thread that runs an event loop.
 
-        Playing starts when the node graph is known and all existing subscriptions have discovered the publishers, or
-        after 2 s.
+        Playback starts when the node graph is known and all existing subscriptions have discovered the publishers, or
+        after 2 s at the latest.
 
         Args:
-            stop: set it to stop, from any thread.
+            stop: an event that any thread can set to stop the playback.
             progress: called with the position in the bag [s].
         """
         try:
@@ -141,7 +141,7 @@ class Player:
                 _log.warning("a message on %s is skipped, as are similar messages: %s", escape_name(topic), error)
 
     def _met(self) -> bool:
-        """Return whether all subscriptions on the topics are matched with the publishers."""
+        """Return whether the publishers have been matched with all subscriptions to their topics."""
         return all(
             publisher.get_subscription_count() >= self._node.count_subscribers(publisher.topic_name)
             for publisher in self._publishers.values()

@@ -1,4 +1,4 @@
-"""Record the messages of topics into a bag."""
+"""Record topics to a bag."""
 
 import logging
 import math
@@ -33,7 +33,7 @@ _log = logging.getLogger(__name__)
 
 
 class Recorder:
-    """Records topics into a bag while its context is open.
+    """Records topics to a bag inside a ``with`` block.
 
     Messages are stored byte for byte. Callbacks only queue them; a separate thread writes them, flushes once a second,
     and looks for new topics. The time of receipt is simulated time if the node's parameter ``use_sim_time`` is true.
@@ -43,16 +43,16 @@ class Recorder:
         path: the bag's folder, which must not exist.
         topics: their names; None for all existing and future topics, except for hidden ones.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        max_duration: maximum duration of a file before the next one starts [s].
+        max_duration: maximum duration of each file [s]; after that, the next file is started.
 
     Attributes:
         path: the bag's folder.
-        lost: number of messages that were received but not written because the disk was too slow, or full.
+        lost: number of received messages that could not be written because the disk was too slow or full.
         error: why writing has stopped; None if there was no error.
 
     Raises:
-        TutorialError: the folder exists or cannot be created, or a topic's name breaks the naming rules. When the
-            context ends: the bag could not be completed.
+        TutorialError: the folder exists or cannot be created, or a topic's name breaks the naming rules. At the
+            end of the block: the bag could not be completed.
     """
 
     def __init__(
@@ -88,13 +88,13 @@ class Recorder:
         self.close()
 
     def hears(self, topic: str) -> bool:
-        """Return whether the recorder has discovered a topic's publisher. If so, it records every later message."""
+        """Return whether the recorder has discovered a topic's publisher. If so, every later message is recorded."""
         subscription = self._subscriptions.get(topic)
         return subscription is not None and subscription.get_publisher_count() > 0
 
     @property
     def counts(self) -> Mapping[str, int]:
-        """Number of messages written so far, by recorded topic."""
+        """Number of messages written so far on each recorded topic."""
         return {topic: self._writer.counts[topic] for topic in tuple(self._subscriptions)}
 
     @property
@@ -130,7 +130,7 @@ class Recorder:
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait for messages that were sent before the end, until no more arrive, for at most one second.
+        """Wait for the last messages that were sent before the recording ended, but for at most one second.
 
         A timer on the executor's thread checks for new messages, because no messages arrive while that thread is busy.
         """
@@ -174,7 +174,7 @@ class Recorder:
         """Record a topic if it has a publisher.
 
         Raises:
-            TutorialError: the topic cannot be recorded; the message is the end of a sentence.
+            TutorialError: the topic cannot be recorded; the error's text is the end of a sentence.
         """
         publishers = publishers_on(self._node, topic)
         if not publishers:

@@ -80,9 +80,9 @@ class SqliteWriter:
 
 
 class SqliteReader:
-    """Reads an SQLite file, as far as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
+    """Reads an SQLite file, or as much of it as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
 
-    Messages are read in the order that they were written in, because the index by time may be damaged.
+    Messages are read in the order in which they were written, because the index by time may be damaged.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:

@@ -13,12 +13,12 @@ RawMessage = tuple[str, int, bytes]
 
 
 class CorruptBagError(Exception):
-    """Raised if nothing in a file can be read. The message completes a sentence that begins with the file's name."""
+    """Raised if nothing in a file can be read. The text completes a sentence that begins with the file's name."""
 
 
 @dataclass
 class Span:
-    """The number of messages, and when the first and the last message were received [ns]; 0 without messages."""
+    """The number of messages, and when the first and last of them were received [ns]; all 0 if there are none."""
 
     count: int = 0
     start: int = 0
@@ -67,7 +67,7 @@ In other bases, Python would accept a number of any length, and might then be un
 
 
 def read_yaml(text: str | bytes) -> Any:
-    """Read YAML text from a bag. Don't use PyYAML's faster loader: its C code crashes on deeply nested text.
+    """Read YAML text from a bag, without PyYAML's faster loader: its C code crashes on deeply nested text.
 
     Raises:
         Exception: the text is not valid YAML; the exception can be of any type.

@@ -20,12 +20,12 @@ VERSION = 9  # version of the metadata format in Jazzy
 
 
 class BagWriter:
-    """Writes a bag with the layout of ``ros2 bag record``. Use it on one thread at a time.
+    """Writes a bag in the layout that ``ros2 bag record`` uses. Use it on one thread at a time.
 
     Args:
         path: the bag's folder, which must not exist: nothing is overwritten.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        max_duration: maximum duration of a file before the next one starts [s].
+        max_duration: maximum duration of each file [s]; after that, the next file is started.
 
     Attributes:
         counts: number of messages written so far, by topic.

@@ -61,7 +61,8 @@ class Action(NamedTuple):
     """An action for the publishers of a stream.
 
     Attributes:
-        kind: ``"publish"`` the message; publish it from a ``"second"`` publisher; or ``"restart"`` the publisher.
+        kind: ``"publish"``: publish the message; ``"second"``: publish it from a second publisher; ``"restart"``:
+            restart the publisher.
         message: the `sensor_msgs/JointState` to publish, if any.
     """
 
@@ -120,7 +121,7 @@ class Chaos:
         return actions
 
     def _in_time(self, message: Any, hits: list[str]) -> list[Action]:
-        """Publish a message now, later, never, or many times; also publish the held message if it is due."""
+        """Return actions that publish a message now, later, never, or many times, and the held message if it is due."""
         actions = []
         if "late" in hits and self._held is None:
             self._held = message, self._random["late"].randint(*LATE_NS)
@@ -171,7 +172,7 @@ def set_stamp_ns(message: Any, ns: int) -> None:
 
 
 def _at_zero(message: Any) -> Any:
-    """Return the message of a publisher whose robot has never moved."""
+    """Return the message that a publisher would send if its robot had never moved."""
     still = deepcopy(message)
     still.position = [0.0] * len(message.name)
     still.velocity, still.effort = [], []

@@ -17,12 +17,12 @@ DEPTH = 100  # enough for a burst
 
 
 def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:
-    """Return a good message: all joints swing steadily between 0.15 and 0.65 rad, each slower than the previous joint.
+    """Return a good message: all joints swing steadily between 0.15 and 0.65 rad, each more slowly than the one before.
 
     Args:
-        number: number of the message, from 0, which determines its content.
+        number: the message's number, starting at 0; it determines the content.
         joints: names of the joints.
-        rate: message rate in the stamps [Hz].
+        rate: the message rate to assume [Hz].
     """
     message = JointState(name=list(joints))
     set_stamp_ns(message, round(number * 1e9 / rate))
@@ -35,18 +35,18 @@ def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> Jo
 
 
 class ChaosStream:
-    """Publishes a good stream of joint states with faults in it, on the thread that spins its node.
+    """Injects faults into a good stream of joint states and publishes the result, on the thread that spins the node.
 
     Args:
         node: the node that publishes.
         chaos: injects the faults into messages.
-        good: the topic of the good stream; None to publish `swing`.
+        good: the topic of the good stream; None to use `swing` instead.
 
     Attributes:
         chaos: the given `Chaos`.
 
     Raises:
-        TutorialError: the good stream is on the topic of the faults.
+        TutorialError: the good stream is on the same topic as the faulty one.
     """
 
     def __init__(self, node: Node, chaos: Chaos, good: str | None = None) -> None:

@@ -16,7 +16,7 @@ class Endpoint:
         hash: the hash of the type's definition; empty if unknown.
         reliable: whether it is RELIABLE instead of BEST_EFFORT.
         transient_local: whether it is TRANSIENT_LOCAL instead of VOLATILE.
-        deadline: the longest time between two messages [s].
+        deadline: the maximum time between two messages [s].
         manual: whether its liveliness is MANUAL_BY_TOPIC instead of AUTOMATIC.
         lease: the lease duration of its liveliness [s].
         lifespan: how long a publisher's message stays valid [s].
@@ -40,7 +40,7 @@ class Topic:
     Attributes:
         name: its full name.
         types: its message types.
-        publishers: the number of its publishers; a topic without publishers has a subscription.
+        publishers: the number of its publishers; 0 if it has only subscriptions.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Topic:
 
 @dataclass(frozen=True)
 class Program:
-    """A program that the same user is running on this machine, and that has network connections.
+    """A program on this machine that belongs to the same user and has network connections.
 
     Attributes:
         pid: its process ID.
@@ -83,25 +83,25 @@ class Facts:
         import_error: why ROS 2 cannot be imported; empty if it can.
         loopback: whether the loopback interface is up.
         joined: whether this program could join the domain.
-        participants: the number of Cyclone DDS's places in the domain that programs on this machine occupy; counted
+        participants: how many of the domain's places (with Cyclone DDS) are taken by programs on this machine; counted
             only if nobody publishes the topic or this program could not join.
         publishers: the topic's publishers.
-        subscriptions: the topic's subscriptions, without the doctor's subscription.
-        here: the doctor's subscription, if it could subscribe; its node is ``"the doctor"``.
-        installed: whether the type of any publisher is installed here; True without publishers.
+        subscriptions: the topic's subscriptions, except for the doctor's.
+        here: the doctor's subscription, or None if it could not subscribe; ``node`` is ``"the doctor"``.
+        installed: whether at least one publisher's type is installed here; True if there are no publishers.
         topics: the other topics in the domain.
         looked_into: the other domains that the doctor has joined, or skipped because no program uses them.
         found_in: the other domains where the topic has publishers.
-        programs: the programs on this machine, as far as the doctor can see them.
+        programs: the programs on this machine that the doctor can see.
         clock_users: the names of the nodes that subscribe to ``/clock``.
         clock_publishers: the number of publishers of ``/clock``.
         clock_ticks: the number of messages that arrived on ``/clock``.
-        seconds: how long the doctor had a subscription [s]; 0 if it could not subscribe.
+        seconds: how long the doctor was subscribed [s]; 0 if it could not subscribe.
         received: the number of messages that were published and arrived in that time.
-        rate: their rate [Hz]; 0 for fewer than two.
+        rate: their rate [Hz]; 0 if fewer than two arrived.
         kept: the number of messages that arrived but had been published before the doctor subscribed.
         unmoved: the number of received joint states that move no joint.
-        complaint: the joint matcher's report on most of these joint states.
+        complaint: the joint matcher's most frequent report on these joint states.
     """
 
     topic: str

@@ -1,7 +1,7 @@
 """Examine this program and its machine, without joining a domain and without using ROS 2.
 
-ROS 2's ports show which domains are in use here. The environment variables of other programs show why they cannot be
-seen.
+ROS 2's ports show which domains are in use here. The environment variables of other programs show why those
+programs cannot be seen.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def participants(domain: int) -> int:
 
 
 def domains_in_use(domains: Iterable[int]) -> list[int]:
-    """Return the domains that programs on this machine use; if they are unknown, return all given domains."""
+    """Return those of the given domains that programs on this machine use, or all of them if that is unknown."""
     ports = _udp_ports()
     return [each for each in domains if ports is None or any((port - FIRST_PORT) // PORTS == each for port in ports)]
 

@@ -92,13 +92,13 @@ async def observe(
 
 
 class _Ear:
-    """A subscription that counts messages and stores joint states undecoded.
+    """A subscription that counts messages and stores joint states without decoding them.
 
     Attributes:
-        since: when the subscription was created, from `time.monotonic` [s].
+        since: when the subscription was created, according to `time.monotonic` [s].
         kind: the name of the message type.
-        arrivals: the time of each message that was published since then [s].
-        kept: the number of messages that had been published before then.
+        arrivals: the time of arrival of each message published since then [s].
+        kept: the number of messages that arrived but had been published before then.
         payloads: the first joint states that arrived, at most `MATCHED`.
     """
 
@@ -142,8 +142,8 @@ class _Ear:
 class _Elsewhere(ExitStack):
     """Searches other domains for publishers of a topic, with the same middleware and the same discovery range.
 
-    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. At the end of the context, it
-    leaves all of them.
+    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. When the context ends, it leaves
+    all domains that it has joined.
     """
 
     def __init__(self, topic: str, domains: list[int]) -> None:
@@ -200,7 +200,7 @@ def _seconds(nanoseconds: int) -> float:
 
 
 def _installed(publishers: Sequence[Endpoint], subscriptions: Sequence[Endpoint]) -> str:
-    """Return a publisher's type to subscribe to, preferably also a subscription's; empty if none is installed."""
+    """Return an installed type of a publisher, preferably one that a subscription also has; empty if there is none."""
     wanted = {each.type for each in subscriptions}
     for kind in sorted({each.type for each in publishers}, key=lambda each: each not in wanted):
         with suppress(TutorialError):

@@ -16,8 +16,8 @@ def report(facts: Facts) -> str:
     """Explain why no messages arrive on a topic.
 
     Returns:
-        Lines: the topic's publishers and subscriptions, and either that all is well or the likely causes, the most
-            likely cause first.
+        Lines that list the topic's publishers and subscriptions, and then either give the likely causes, the most
+            likely cause first, or report that all is well.
     """
     causes = diagnose(facts)
     if not causes:
@@ -33,7 +33,7 @@ def _summary(facts: Facts) -> str:
 
 
 def _arrived(facts: Facts) -> str:
-    """Describe how many messages the doctor received. Its QoS is always compatible with the publisher's."""
+    """Describe how many messages the doctor received. The doctor's QoS is compatible with any publisher's."""
     if not facts.seconds:
         return ""
     messages = f"{facts.received or 'No'} message{'s' * (facts.received != 1)}"
@@ -41,7 +41,7 @@ def _arrived(facts: Facts) -> str:
 
 
 def _nodes(noun: str, endpoints: Sequence[Endpoint]) -> str:
-    """Count publishers or subscriptions, and name the first of their nodes."""
+    """Count publishers or subscriptions, and name the first few of their nodes."""
     if not endpoints:
         return f"no {noun}"
     names = [escape_name(each.node) or "unknown" for each in endpoints[:MOST]]

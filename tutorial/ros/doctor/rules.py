@@ -47,7 +47,7 @@ class Rule(NamedTuple):
         means: the sentence that explains the cause.
         fix: the sentence that says what to change.
         command: the command that fixes it, if there is one.
-        look: the command that shows the cause: the words after ``tank`` or ``ros2``, or a system command.
+        look: the command that shows the cause, without ``tank`` or ``ros2`` in front, or a system command.
     """
 
     title: str
@@ -77,12 +77,12 @@ class Cause(NamedTuple):
         return RULES[self.name]
 
     def fill(self, command: str) -> str:
-        """Fill in the capitalized placeholders in one of the rule's commands, quoted for a shell."""
+        """Replace the words in capitals in one of the rule's commands, and quote the values for a shell."""
         words = {"TOPIC": self.topic, **self.found.words}
         return re.sub(rf"\b({'|'.join(words)})\b", lambda found: shlex.quote(escape_name(words[found[1]])), command)
 
     def looks(self) -> list[str]:
-        """Return the commands that show the cause: those of ``tank`` and ``ros2``, or a system command."""
+        """Return the commands that show the cause: one for ``tank`` and one for ``ros2``, or a system command."""
         look = self.fill(self.rule.look)
         tools = ("tank topic ", "ros2 topic ") if "topic " in look else ("",)
         return [look.replace("topic ", tool, 1) for tool in tools]
@@ -117,7 +117,7 @@ def _full(facts: Facts) -> Found | None:
 
 
 def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
-    """Return the names of the rules by which a publisher and a subscription don't match (DDS 1.4, section 2.2.3)."""
+    """Return the name of the rule for each mismatch between a publisher and a subscription (DDS 1.4, section 2.2.3)."""
     known = publisher.hash and subscription.hash
     tests = {
         "type": publisher.type != subscription.type,
@@ -131,7 +131,7 @@ def misfits(publisher: Endpoint, subscription: Endpoint) -> list[str]:
 
 
 def _fits(subscription: Endpoint, publishers: Sequence[Endpoint]) -> bool:
-    """Return whether a subscription receives messages from any of the publishers."""
+    """Return whether a subscription can receive messages from at least one of the publishers."""
     return any(not misfits(publisher, subscription) for publisher in publishers)
 
 
@@ -139,7 +139,7 @@ def _apart(name: str, text: Callable[[Endpoint], str]) -> Callable[[Facts], Foun
     """Return a function that finds a subscription, possibly the doctor's, that does not match any publisher.
 
     Args:
-        name: the name of the rule by which the subscription does not match the publisher with the fewest misfits.
+        name: the name of a rule for a mismatch between the subscription and the publisher that fits it best.
         text: returns the text that describes an endpoint's request or offer.
     """
 
@@ -178,7 +178,7 @@ def _not_requested(facts: Facts) -> Found | None:
 
 
 def _perhaps_missed(facts: Facts) -> Found | None:
-    """Find a silent publisher that stores no messages, so it may have published before anybody subscribed."""
+    """Find a silent publisher that does not store messages: it may have published some before anybody subscribed."""
     if not facts.silent or facts.publishers[0].transient_local or facts.topic in EVERY_NODE_HAS:
         return None
     is_usual = facts.topic.rpartition("/")[2] in ONCE
@@ -257,7 +257,7 @@ def _name(facts: Facts) -> Found | None:
 
 
 def _near(topic: str, topics: Sequence[Topic]) -> list[Topic]:
-    """Return the topics with similar names, the most similar name first."""
+    """Return the topics whose names are similar to the given one, the most similar name first."""
     similar = {each: _similarity(topic, each.name) for each in topics}
     return sorted((each for each in topics if similar[each] >= SIMILAR), key=lambda each: -similar[each])
 
@@ -290,7 +290,7 @@ def _nobody(facts: Facts) -> Found | None:
 
 
 def _elsewhere(facts: Facts) -> str:
-    """Name the other domains that were searched: 0 to 10, unless the user specified some."""
+    """Name the other domains that were searched: 0 to 10, unless the user specified others."""
     looked = facts.looked_into
     if len(looked) > MOST:
         return f", nor in domains {looked[0]} to {looked[-1]}"
