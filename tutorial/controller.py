@@ -44,16 +44,16 @@ class ControllerConfig:
     """The parts of the program that a controller receives when it joins a body.
 
     Attributes:
-        body: the displayed body; it belongs to the main thread.
+        body: the displayed body, for use on the main thread only.
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
-        call_later: ``call_later(function, *args)``, called on any thread, runs the function on the main thread. No call
-            is lost, and they run in the order of posting. Calls that are still waiting when the controller leaves its
-            body are dropped.
-        call_latest: ``call_latest(key, function, *args)``, like `call_later`, but replaces a waiting call with the same
-            key.
+        call_later: ``call_later(function, *args)``, called on any thread, runs the function on the main thread. Calls
+            run in the order in which they were posted. No call is lost, unless it is still waiting when the controller
+            leaves its body.
+        call_latest: ``call_latest(key, function, *args)`` works like `call_later`, but replaces a waiting call that has
+            the same key.
         ask: ``ask(function, *args)``, called on the executor's thread, has the simulation's thread run the function
-            between two steps, and returns the result. If that is impossible, it raises a RefusedError that gives the
-            reason: see `tutorial.handoff.RequestQueue.ask`.
+            between two steps, and returns the result. If the function cannot be run, or does not return in
+            time, ``ask`` raises a RefusedError that gives the reason: see `tutorial.handoff.RequestQueue.ask`.
     """
 
     body: Body
@@ -64,12 +64,12 @@ class ControllerConfig:
 
 
 class ControllerIO:
-    """A controller's access to the simulated copy of its body; it belongs to the thread that steps the simulation.
+    """A controller's access to the simulated copy of its body, for use only on the thread that steps the simulation.
 
     Attributes:
         body: the simulated body.
         time_step: the time step [s].
-        step: the number of steps since the program began. Stopping and restarting does not reset it.
+        step: the number of steps since the program began. Restarting the simulation does not reset this number.
     """
 
     __slots__ = ("_step_ns", "body", "step", "time_step")
@@ -92,10 +92,11 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base class of controllers, with the original tutorial's names and methods. Docstrings name the calling thread.
+    """Base class of controllers, with the original tutorial's names and methods.
 
-    On a displayed body, only `configure` and `unconfigure` are called. In a simulated world, the calls between them are
-    `initialize`, then `control` at every step, and finally `stop`.
+    On a displayed body, only `configure` and `unconfigure` are called. A simulation also calls `initialize` when it
+    starts, `control` before every step, and `stop` after the last step. Each method's docstring names the thread that
+    calls it.
     """
 
     def configure(self, config: ControllerConfig) -> None:
@@ -108,7 +109,7 @@ class SimpleController:
         """Read sensors and set actuators, before every step. Called on the simulation's thread."""
 
     def stop(self) -> None:
-        """Finish: `control` is not called again before the next start. Called on a thread of the simulation."""
+        """Finish: `control` is not called until the simulation restarts. Called on one of the simulation's threads."""
 
     def unconfigure(self) -> None:
         """Leave the body: destroy the publishers and subscriptions that `configure` made. Called on the main thread."""

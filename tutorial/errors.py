@@ -14,7 +14,7 @@ WIDE_SPACES = "\u00a0\u3000"  # no-break and ideographic space: visible, though 
 class TutorialError(Exception):
     """Base class of every error that the library raises on purpose.
 
-    Its text is written for the learner: what was given, what is wrong with it, and how to fix it.
+    The message is written for the learner: what was given, what is wrong with it, and how to fix it.
     """
 
     def _render_traceback_(self) -> list[str]:
@@ -52,8 +52,8 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 def printable(text: str) -> str:
     """Escape every invisible character in untrusted text, so that a terminal can print it safely.
 
-    These are control characters, which a terminal would interpret, characters that reverse the direction of writing,
-    line breaks and lone surrogates.
+    These are line breaks, lone surrogates, characters that reverse the direction of writing, and control characters,
+    which a terminal would interpret.
 
     Returns:
         For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; text with only visible characters is returned unchanged.
@@ -68,7 +68,7 @@ def printable(text: str) -> str:
 def printable_lines(text: str) -> str:
     """Escape invisible characters as `printable` does, but keep line breaks and tabs.
 
-    Pass each untrusted part through `printable` before you insert it; otherwise, it could add lines.
+    Pass each untrusted part through `printable` before you insert it into the text, so that it cannot add lines.
     """
     return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
@@ -80,11 +80,11 @@ def file_of(written: type) -> str:
 
 
 def describe_error(error: BaseException, file: str) -> str:
-    """Describe an error in one line, including the innermost line of a given file in its traceback.
+    """Describe an error in one line, including the last traceback line that belongs to a given file.
 
     Args:
         error: the exception.
-        file: the path of the file that the reader can fix, or a kernel's name for a cell.
+        file: the path of the file that the reader can fix, or the kernel's file name for a cell.
 
     Returns:
         For instance ``"hello_world.py, line 8, in control: ZeroDivisionError: division by zero"``.
@@ -100,11 +100,11 @@ def describe_error(error: BaseException, file: str) -> str:
 
 
 def where(thread: threading.Thread, file: str = "") -> str:
-    """Return the end of a message about a thread that does not return: the line that it is executing.
+    """Return the end of a message about a thread that does not return: the line that the thread is executing.
 
     Args:
         thread: the thread.
-        file: if the thread is in this file, report the innermost line there; otherwise the innermost line in any file.
+        file: report the innermost line in this file or, if the thread is not executing it, in any file.
 
     Returns:
         For instance ``": it is at mine.py, line 8, in control"``; empty if the thread has ended.
@@ -120,6 +120,6 @@ def where(thread: threading.Thread, file: str = "") -> str:
 
 
 def _title(file: str) -> str:
-    """Return a file's name for the reader; "your cell" for a cell, because users do not know its name in the kernel."""
+    """Return a file's name; "your cell" for a cell, because users do not know the file name that the kernel gave it."""
     path = Path(file)
     return "your cell" if path.parent.name.startswith("ipykernel_") else path.name

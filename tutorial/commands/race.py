@@ -47,8 +47,9 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
     """Score each DRIVER, a Python file with a node that publishes on /joy.
 
     A driver sees the line through the tank's camera, on /Tank/camera/image. It follows the line to its end, turns the
-    turret, and touches the orange rail with the barrel. A race also ends after 40 s, after 10 s without progress,
-    or when the driver's program ends. The table is sorted by score; the maximum is 100.
+    turret, and touches the orange rail with the barrel. If the barrel does not touch the rail, the race
+    ends after 40 s, after 10 s without progress, or when the driver's program ends. The table is sorted by score; the
+    maximum is 100.
 
     The exit status is 1 if a driver failed or a race was not fair.
     """
@@ -80,7 +81,7 @@ def race(drivers: tuple[Path, ...], layout: str, scoreboard: TextIO | None, repl
 
 
 def table(entries: list[Entry]) -> Table:
-    """Lay out the entries, best score first."""
+    """Return a table of the entries, with the best score first."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -97,7 +98,7 @@ def table(entries: list[Entry]) -> Table:
 
 
 def remarks(entries: list[Entry]) -> str:
-    """Describe what was wrong with each race, and what the tank has touched."""
+    """List each race's problems, and the things that the tank touched."""
     lines = []
     for entry in entries:
         said = [entry.note, entry.warning, *(f"the tank has touched {each}" for each in entry.result.touched)]
@@ -106,7 +107,7 @@ def remarks(entries: list[Entry]) -> str:
 
 
 def names_of(drivers: tuple[Path, ...]) -> list[str]:
-    """Return the drivers' file names or, if two files have the same name, their paths below the common folder."""
+    """Return the drivers' file names or, if two are the same, the files' paths relative to their common folder."""
     if len({path.name for path in drivers}) == len(set(drivers)):
         return [path.name for path in drivers]
     absolute = [Path(os.path.abspath(path)) for path in drivers]  # noqa: PTH100 - keep a link's own name
@@ -125,7 +126,7 @@ async def _race_all(
     sandbox: bool,
     limit: float,
 ) -> None:
-    """Run one race after another, because two simultaneous races would slow each other down."""
+    """Run the races one after another, because simultaneous races would slow each other down."""
     from tutorial.commands.racing import CHANGED, NO_START, Entry, Options, fingerprint, race
     from tutorial.race.rules import Result
 
@@ -150,7 +151,7 @@ async def _race_all(
 
 
 def race_project(line: Path) -> Project:
-    """Load the race project that came with the tutorial, not a learner's copy, and give it this line.
+    """Load the race project that came with the tutorial, not a learner's copy, and use this line in it.
 
     Raises:
         TutorialError: this machine cannot render camera images, or the line is not valid.

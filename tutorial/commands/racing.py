@@ -59,13 +59,13 @@ MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
 
 @dataclass(frozen=True)
 class Entry:
-    """One row of the table.
+    """One row of the table of scores.
 
     Attributes:
         driver: the driver's file.
         layout: the name of the line.
         result: the referee's result.
-        note: what was wrong with the driver or the race; can be empty.
+        note: the problem with the driver or the race; empty if there was none.
         real_time: simulated time divided by real time; if it is below 1, the machine was too slow for a fair race.
     """
 
@@ -83,7 +83,7 @@ class Entry:
         return f"raced at {self.real_time:.2f} times real time: race again with nothing else running on this machine"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the entry for JSON."""
+        """Return the entry as a dictionary for JSON."""
         entry = {"driver": self.driver, "layout": self.layout, **self.result.as_dict()}
         return {**entry, "note": self.note, "real_time": round(self.real_time, 3)}
 
@@ -93,9 +93,9 @@ class Options:
     """How to run races.
 
     Attributes:
-        line: the file of the line.
+        line: the file that defines the line.
         view: whether to serve a 3D view.
-        limit: the longest duration [s], in simulated time.
+        limit: the longest duration of a race [s], in simulated time.
         loud: whether to print the driver's output on stderr.
         is_sandboxed: whether the driver runs in a sandbox.
         fingerprint: the value of `fingerprint` before the first race.
@@ -110,12 +110,12 @@ class Options:
 
 
 class Driver:
-    """A driver's program, with all processes that it starts.
+    """A driver's program and all processes that it starts.
 
     Args:
         path: the Python file.
-        hear: called with each line of its output, on a separate thread.
-        is_sandboxed: whether it runs in a sandbox, where it cannot change any files.
+        hear: called with each line of the program's output, on a separate thread.
+        is_sandboxed: whether the program runs in a sandbox, where it cannot change any files.
     """
 
     def __init__(self, path: Path, hear: Callable[[str], object], is_sandboxed: bool) -> None:
@@ -136,7 +136,7 @@ class Driver:
 
     @property
     def pid(self) -> int:
-        """The ID of its first process."""
+        """The ID of the program's first process."""
         return self._process.pid
 
     @property
@@ -155,9 +155,9 @@ class Driver:
         return printable(last.strip()) or f"the driver's program exited with status {self._process.returncode}"
 
     def close(self) -> None:
-        """Ask the program to stop, and kill whatever is left of it, including processes that have left its group.
+        """Ask the program to stop, and then kill its remaining processes, including those that have left its group.
 
-        Outside a sandbox, a process survives if its parent has exited and it has also removed its mark.
+        Outside a sandbox, a process survives if its parent has exited and its environment no longer contains `MARK`.
         """
         self._hear = lambda _: None  # Ctrl-C can make the driver print a traceback
         before = self._family()
@@ -173,7 +173,7 @@ class Driver:
         self._folder.cleanup()
 
     def _family(self) -> set[psutil.Process]:
-        """Return the processes that descend from the program, or have its mark."""
+        """Return the program's descendants, and all processes whose environment contains its mark."""
         family: set[psutil.Process] = set()
         with suppress(psutil.Error):
             family.update(psutil.Process(self._process.pid).children(recursive=True))
@@ -202,7 +202,7 @@ async def race(path: Path, name: str, html: Path | None, project: Project, optio
     Args:
         path: the driver's file.
         name: the driver's name.
-        html: where to write a page that replays the race; None for no page.
+        html: where to write a page that replays the race; None to write no page.
         project: a project with a `Referee`.
         options: how to run the race.
 
@@ -240,14 +240,14 @@ async def race(path: Path, name: str, html: Path | None, project: Project, optio
 
 @contextmanager
 def _own_domain() -> Iterator[None]:
-    """Reserve a ROS domain for the simulation, and for the driver, which inherits the environment variables."""
+    """Reserve a ROS domain for the simulation and for the driver, which inherits it through environment variables."""
     with reserved_domain(os.environ.get("ROS_DOMAIN_ID")) as domain:
         os.environ |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         yield
 
 
 async def _meet(host: Host, driver: Driver) -> str:
-    """Wait until a driver has a publisher on ``/joy``. Return the problem, or "" if it has a publisher."""
+    """Wait until a driver has a publisher on ``/joy``. Return "", or the reason why no publisher was found."""
     deadline = time.monotonic() + MEET_FOR
     topic = host.node.resolve_topic_name("joy")
     while not host.node.count_publishers(topic):
@@ -260,7 +260,7 @@ async def _meet(host: Host, driver: Driver) -> str:
 
 
 async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float]:
-    """Run a race to its end. Return the reason for an early end, or "", and simulated time divided by real time."""
+    """Run a race to its end. Return why it ended early ("" if it did not), and simulated time divided by real time."""
     simulation = host.simulation
     assert simulation is not None
     simulation.advance(simulation.time_step)  # in lockstep, this waits for the first image, and for OpenGL to start
@@ -283,7 +283,7 @@ async def _run(host: Host, referee: Referee, driver: Driver) -> tuple[str, float
 
 
 def fingerprint(line: Path) -> bytes:
-    """Return a hash of the files that decide a race: a line, and the tutorial's code, projects and models."""
+    """Return a hash of the files that affect a race: its line, and the tutorial's code, projects and models."""
     digest = hashlib.sha256()
     files = (*PACKAGE.rglob("*.py"), *(PACKAGE / "view" / "static").rglob("*"), *(original() / "project").rglob("*.*"))
     for path in (line, *filter(Path.is_file, sorted(files))):

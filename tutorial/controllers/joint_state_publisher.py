@@ -9,7 +9,7 @@ RATE = 50  # [Hz], in simulation time
 
 
 class JointStatePublisher(SimpleController):
-    """Publish position [rad], velocity [rad/s] and effort [N.m] of every joint at 50 Hz."""
+    """Publish the position [rad], velocity [rad/s] and effort [N.m] of every joint at 50 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher. Its topic is named after the body."""
@@ -28,7 +28,7 @@ class JointStatePublisher(SimpleController):
             self.publisher.publish(self.joint_state())
 
     def joint_state(self) -> JointState:
-        """Return a message with all joints, stamped with the simulated time."""
+        """Return a message with the states of all joints, stamped with the simulated time."""
         message = JointState()
         message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
         message.name = [joint.name for joint in self.joints]

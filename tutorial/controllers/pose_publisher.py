@@ -14,13 +14,13 @@ class PosePublisher(SimpleController):
     """Publish the pose of the body's root in the frame ``odom`` at 50 Hz, both as a transform and as odometry."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Create the publishers: for ``/tf``, which all robots share, and for the body's own topic."""
+        """Create a publisher for ``/tf``, which all robots share, and one for the body's own topic."""
         self.node = config.node
         self.tf_publisher = self.node.create_publisher(TFMessage, "/tf", 100)
         self.odom_publisher = self.node.create_publisher(Odometry, f"{config.body.name}/odom", 10)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Store `io`, and compute how often to publish."""
+        """Store `io`, and compute the number of steps per message."""
         self.io = io
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
@@ -40,8 +40,8 @@ class PosePublisher(SimpleController):
 def odometry(io: ControllerIO) -> Odometry:
     """Return the pose and the velocity of the body's root, stamped with the simulated time.
 
-    As the message's definition requires, the pose [m] is in the parent frame, and the velocity [m/s], [rad/s] in the
-    child frame. The covariances stay zero, because a simulator knows both exactly.
+    As the message's definition requires, the pose [m] is in the parent frame, and the velocity [m/s, rad/s] is in the
+    child frame. The covariances stay zero, because the simulated pose and velocity are exact.
     """
     message = Odometry()
     message.header.stamp = Time(nanoseconds=io.time_ns).to_msg()

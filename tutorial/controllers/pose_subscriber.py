@@ -52,7 +52,7 @@ class PoseSubscriber(SimpleController):
             self.show(*pair)
 
     def show(self, joints: JointState, pose: TransformStamped) -> None:
-        """Set the pose and the joints together. A late message changes neither."""
+        """Set the pose and the joints together, or neither if the joint states are dropped."""
         positions, report = self.matcher.match(joints)
         if not report.dropped:
             set_pose(self.body, pose.transform)
@@ -75,10 +75,11 @@ def set_pose(body: Body, transform: Transform) -> None:
 
 
 class StampPairs:
-    """Pairs the messages of two streams that have equal stamps, much like `message_filters.TimeSynchronizer`.
+    """Pairs messages that have equal stamps and come from two streams, much like `message_filters.TimeSynchronizer`.
 
-    A message waits for its partner. Both streams are in order, so a message older than a pair will not get a partner.
-    If too many messages are waiting, the first to arrive is dropped, whatever its stamp: publishers can restart at 0.
+    A message waits for its partner. Both streams are in order, so a message older than a complete pair will never get a
+    partner. If too many messages are waiting, the first to arrive is dropped, whatever its stamp, because the stamps of
+    a restarted publisher can begin at 0 again.
 
     Args:
         leave_out: called with the reason for each message that is dropped.
@@ -90,7 +91,7 @@ class StampPairs:
         self.newest: tuple[int, int] | None = None  # the stamp of the last pair
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Add the next message of a stream. Return the joints and pose with its stamp; None if either is missing."""
+        """Add a stream's next message. Return the joints and the pose with its stamp, or None if one is missing."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         if stamp == self.newest:
             self.leave_out(REPEATED)

@@ -97,7 +97,7 @@ class Referee(SimpleController):
                 self.race.disqualify(f"{count} publishers on {topic}, not {expected}")
 
     def show(self, result: Result) -> None:  # main thread
-        """Show the state in the line below the view."""
+        """Show the state of the race in the line below the view."""
         self.body.note = str(result)
 
     def unconfigure(self) -> None:  # main thread

@@ -10,10 +10,10 @@ FOR_LATECOMERS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL
 
 
 class RobotDescriptionPublisher(SimpleController):
-    """Publish the body as URDF once. The topic is transient local, so even late subscribers receive the URDF."""
+    """Publish the body's URDF once. The topic is transient local, so even late subscribers receive the URDF."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Create the publisher and publish. The topic is named after the body."""
+        """Create the publisher, and publish the URDF. The topic is named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(String, f"{config.body.name}/robot_description", FOR_LATECOMERS)
         self.publisher.publish(String(data=robot_description(config.body)))

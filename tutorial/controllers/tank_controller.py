@@ -52,7 +52,7 @@ class TankController(SimpleController):
 
 
 class AimedJoint:
-    """One joint that a stick moves: a reference angle, and PD control that holds the joint there."""
+    """A joint that a stick aims: the stick moves a reference angle, and PD control makes the joint follow it."""
 
     def __init__(self, joint: Joint, time_step: float) -> None:
         self.joint = joint
@@ -60,7 +60,7 @@ class AimedJoint:
         self.q_ref = self.q_prev = joint.position
 
     def aim(self, stick: float) -> None:
-        """Move the reference with the stick, within the joint's range, and set the torque to follow it."""
+        """Move the reference angle with the stick, within the joint's range, and set the torque to follow it."""
         lower, upper = self.joint.range
         q_ref = min(max(self.q_ref + STEP_AT_FULL_STICK * stick, lower), upper)
         dq_ref = (q_ref - self.q_ref) / self.time_step
@@ -88,7 +88,7 @@ def sticks(message: Joy) -> tuple[float, float, float, float]:
 
 
 def dead_zone(axis: float, width: float) -> float:
-    """Return 0 if the axis is near the middle, because a released stick never rests exactly there; else the axis."""
+    """Return the axis, or 0 if it is near the middle, because a released stick never rests exactly there."""
     return axis if abs(axis) > width else 0.0
 
 

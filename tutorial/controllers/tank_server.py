@@ -65,7 +65,7 @@ class TankServer(TankController):
         self.gains.put(self.tuned(parameters))
 
     def tuned(self, parameters: Sequence[Parameter]) -> dict[str, float]:
-        """Return all gains, updated with those that are being set. The list can also contain other parameters."""
+        """Return all gains, updated with those that are being set. The argument can also contain other parameters."""
         new = {parameter.name: parameter.value for parameter in parameters}
         return {name: new.get(name, value) for name, value in self.gains.get().items()}
 
@@ -112,7 +112,7 @@ class TunedJoint(AimedJoint):
         self.gains = gains
 
     def aim(self, stick: float) -> None:
-        """Move the reference as in step 1, and set the torque that follows from the newest gains."""
+        """Move the reference angle as in step 1, and compute the torque from the newest gains."""
         lower, upper = self.joint.range
         q_ref = min(max(self.q_ref + STEP_AT_FULL_STICK * stick, lower), upper)
         dq_ref = (q_ref - self.q_ref) / self.time_step
@@ -126,6 +126,6 @@ class TunedJoint(AimedJoint):
 
 
 def gain(description: str, largest: float) -> ParameterDescriptor:
-    """Return the descriptor of a gain whose range is from 0 to a maximum."""
+    """Return the descriptor of a gain that ranges from 0 to a maximum."""
     limits = FloatingPointRange(from_value=0.0, to_value=largest)
     return ParameterDescriptor(description=description, floating_point_range=[limits])

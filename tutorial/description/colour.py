@@ -24,6 +24,6 @@ def takes_material(model: mujoco.MjModel, geom: int) -> bool:
 
 
 def colour_of(model: mujoco.MjModel, geom: int) -> Array:
-    """Return a geom's red, green, blue and opacity, each from 0 to 1, shape (4,). Textures are ignored."""
+    """Return a geom's red, green, blue and opacity values, each from 0 to 1, shape (4,). Textures are ignored."""
     own = not takes_material(model, geom)
     return np.asarray(model.geom_rgba[geom] if own else model.mat_rgba[model.geom_matid[geom]], dtype=float)

@@ -15,7 +15,7 @@ UNLIMITED = 1e9
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
     """Add a ``<limit>``: the effort, the velocity and, for a limited or a slide joint, the range.
 
-    MuJoCo does not limit velocities; a model sets this limit as the joint's ``user`` value.
+    MuJoCo does not limit velocities, so a model gives the velocity limit as the joint's ``user`` value.
     """
     fastest = max((*model.jnt_user[joint], 0.0)[0], 0.0) or UNLIMITED
     limit = {"effort": numbers([_effort(model, joint)]), "velocity": numbers([fastest])}

@@ -28,12 +28,12 @@ def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
 
 
 def shift(by: ArrayLike) -> Matrix:
-    """Make the pose of a translation (3,) [m]."""
+    """Make a pose from a translation (3,) [m]."""
     return pose(by, (1.0, 0.0, 0.0, 0.0))
 
 
 def turn(axis: ArrayLike, angle: float) -> Matrix:
-    """Make the pose of a rotation by an angle [rad] about an axis (3,) through the origin."""
+    """Make a pose from a rotation by an angle [rad] about an axis (3,) through the origin."""
     quaternion = np.empty(4)
     mujoco.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=float), angle)
     return pose((0.0, 0.0, 0.0), quaternion)
@@ -60,5 +60,5 @@ def add_origin(parent: Element, matrix: Matrix) -> None:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Format numbers, separated by spaces, with twelve digits: far finer than a micrometre at the size of a robot."""
+    """Format numbers with twelve digits, separated by spaces. At a robot's size, this is finer than a micrometre."""
     return " ".join("0" if abs(value) < NOTHING else f"{value:.12g}" for value in values)

@@ -19,10 +19,10 @@ Geom = mujoco.mjtGeom
 
 
 def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
-    """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, as a ``<collision>`` if it can collide.
+    """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, and as a ``<collision>`` if it can collide.
 
     Returns:
-        Shapes that URDF cannot express, such as ``"ellipsoid shapes"``; empty if URDF can express the whole geom.
+        The shapes that URDF cannot express, such as ``"ellipsoid shapes"``; empty if URDF can express the geom.
     """
     seen = is_seen(model, geom)
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
@@ -55,7 +55,7 @@ def _material_name(model: mujoco.MjModel, geom: int) -> str:
 
 
 def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shape]:
-    """Return a geom's URDF shapes: a cylinder and two spheres for a capsule; empty if URDF has no such shape."""
+    """Return a geom's URDF shapes, such as a cylinder and two spheres for a capsule; empty if there are none."""
     size, middle = model.geom_size[geom], np.eye(4)
     ball = {"radius": numbers(size[:1])}
     cylinder = ("cylinder", {**ball, "length": numbers(2 * size[1:2])}, middle)
@@ -74,10 +74,10 @@ def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shap
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
-    """Return the mesh's file, if it has one in a format that other programs read.
+    """Return the mesh as a reference to its file, if it has a file in a format that other programs read.
 
     MuJoCo moves a mesh so that its centre and principal axes become the geom's frame; this function reverses that move.
-    An additional offset (``refpos``, ``refquat``) is missing here, because a compiled model does not store it.
+    An additional offset (``refpos``, ``refquat``) is ignored, because a compiled model does not store it.
     """
     mesh = model.geom_dataid[geom]
     start = model.mesh_pathadr[mesh]

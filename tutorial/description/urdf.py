@@ -35,13 +35,13 @@ _log = logging.getLogger(__name__)
 def robot_description(body: Body) -> str:
     """Return the URDF of a body.
 
-    Elements that URDF lacks, such as tendons and ellipsoids, are omitted. Joints that are missing from joint states are
-    fixed in the model's initial position: joints in hidden groups, ball joints, joints without a name. A joint with a
-    linear coupling to another joint mimics it, and other equalities are omitted. A comment at the top counts these
-    differences. If the description moves differently from the robot, a warning is also logged.
+    Elements that URDF lacks, such as tendons and ellipsoids, are omitted. Joints that do not appear in joint
+    states (joints in hidden groups, ball joints, unnamed joints) are fixed in the model's initial position. A joint
+    with a linear coupling to another joint mimics that joint; other equalities are omitted. A comment at the top counts
+    these differences. If the description moves differently from the robot, a warning is also logged.
 
     Args:
-        body: a displayed body, whose model contains nothing else.
+        body: a displayed body, whose model contains only this body.
 
     Returns:
         The XML. Lengths are in m, angles in rad, inertias in kg.m^2.
@@ -97,7 +97,7 @@ class _Writer:
         self._add_inertia(self.links[number], number)
 
     def _mimics(self) -> dict[int, Coupling]:
-        """Return the linear couplings by MuJoCo's id of the follower. Their leaders follow no other joint.
+        """Return the linear couplings, keyed by the follower's MuJoCo id. None of their leaders follows another joint.
 
         robot_state_publisher cannot place a joint that mimics a mimicking joint.
         """
@@ -119,10 +119,10 @@ class _Writer:
         return self._plain(self.model.joint(joint).name)
 
     def _place(self, number: int) -> Matrix | None:
-        """Return a body's pose in its parent's frame at rest.
+        """Return a body's pose at rest, in its parent's frame.
 
-        Return None if it moves freely, because joint states don't describe free motion. Poses are relative to the root,
-        not to the world.
+        Return None if the body moves freely, because joint states don't describe free motion. If the parent is the
+        world, the pose is relative to the root instead.
         """
         model = self.model
         place = pose(model.body_pos[number], model.body_quat[number])
@@ -135,8 +135,9 @@ class _Writer:
     def _lead(self, parent: Element, joints: list[int], place: Matrix, name: str) -> Element:
         """Add a link, and the joints that lead to it.
 
-        URDF allows one joint between two links, with its axis through the child's frame. This function therefore adds
-        massless links between joints, and a link on the axis if the axis does not pass through the body's frame.
+        URDF allows only one joint between two links, and the joint's axis must pass through the child's origin. This
+        function therefore adds massless links between joints, and a link on the axis if the axis does not pass through
+        the body's origin.
         """
         for joint in joints:
             anchor, at_zero = self._axis(joint)
@@ -151,7 +152,7 @@ class _Writer:
         return self._add_fixed(parent, name, place)
 
     def _joints(self, number: int) -> list[int]:
-        """Return the MuJoCo ids of a body's movable joints; count the fixed ones."""
+        """Return the MuJoCo ids of a body's movable joints; count the joints that become fixed."""
         model, moving = self.model, []
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
@@ -173,7 +174,7 @@ class _Writer:
     def _axis(self, joint: int) -> tuple[Matrix, Matrix]:
         """Return a joint's anchor in its body, and the transform from the model's initial position to the joint's zero.
 
-        A slide joint has no anchor. A model's initial position need not be 0 (``ref`` in MJCF).
+        A slide joint has no anchor. A joint's initial position in the model need not be 0 (``ref`` in MJCF).
         """
         axis, begins = self.model.jnt_axis[joint], float(self.model.qpos0[self.model.jnt_qposadr[joint]])
         if self.model.jnt_type[joint] == SLIDE:
@@ -208,7 +209,7 @@ class _Writer:
             SubElement(element, "mimic", {"joint": self._joint_name(leader), **factors})
 
     def _add_inertia(self, link: Element, number: int) -> None:
-        """Add mass and inertia, converted from MuJoCo's principal axes to the link's axes."""
+        """Add a link's mass and inertia, converted from MuJoCo's principal axes to the link's axes."""
         model = self.model
         if model.body_mass[number] <= NO_MASS:
             return
@@ -228,7 +229,7 @@ class _Writer:
             self.left_out[missing] += 1
 
     def _add_sensors(self) -> None:
-        """Add a link for each sensor on a site, with the sensor's name, and one for each camera's optical frame."""
+        """Add a link for each sensor on a site, named after the sensor, and one for each camera's optical frame."""
         model = self.model
         sensors = np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist()
         cameras = map(model.camera, range(model.ncam))
@@ -245,8 +246,8 @@ class _Writer:
     def _say_what_is_missing(self) -> None:
         """List omissions in a comment at the top, and log those that make the description move differently.
 
-        The comment contains no colon, because ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses it as
-        YAML.
+        The comment contains no colon, because ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses the
+        text as YAML.
         """
         missing = +(self.left_out + self.moves_otherwise)
         if missing:

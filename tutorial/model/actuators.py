@@ -27,8 +27,8 @@ class Command(NamedTuple):
     """How a command to a joint becomes a control signal: ``ctrl = offset + scale * command``.
 
     Attributes:
-        adr: index of the control signal in MuJoCo's ``ctrl``.
-        scale, offset: as in the formula.
+        adr: the index of the control signal in MuJoCo's ``ctrl``.
+        scale, offset: the coefficients in this formula.
     """
 
     adr: int
@@ -110,16 +110,16 @@ def _is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
 
 
 def _gain(model: mujoco.MjModel, actuator: int) -> float:
-    """Return the force per unit of the control signal, or 0 if it is not constant."""
+    """Return the force per unit of the control signal, or 0 if this ratio is not constant."""
     constant, *others = model.actuator_gainprm[actuator, :3].tolist()
     kind = Gain(model.actuator_gaintype[actuator])
     return float(constant) if kind == Gain.mjGAIN_FIXED or (kind == Gain.mjGAIN_AFFINE and not any(others)) else 0.0
 
 
 def _bias(model: mujoco.MjModel, actuator: int) -> list[float]:
-    """Return the coefficients of the force without a control signal: constant, per length, and per velocity.
+    """Return the coefficients of the force that acts without a control signal: constant, per length, and per velocity.
 
-    They are NaN if MuJoCo computes the force differently, as for a muscle.
+    The coefficients are NaN if MuJoCo computes the force differently, as for a muscle.
     """
     match Bias(model.actuator_biastype[actuator]):
         case Bias.mjBIAS_NONE:
@@ -145,7 +145,7 @@ def _what(model: mujoco.MjModel, actuator: int) -> str:
 
 
 def _kind(model: mujoco.MjModel, actuator: int) -> str:
-    """Return the name of an actuator's kind."""
+    """Return an actuator's kind, such as ``"a motor"``."""
     dynamics, gain = Dyn(model.actuator_dyntype[actuator]), Gain(model.actuator_gaintype[actuator])
     _, stiffness, damping = _bias(model, actuator)
     kinds = (  # the first match is used

@@ -1,4 +1,4 @@
-"""Coupled joints: where an ``<equality>`` puts a joint that no message names, such as a gripper's second finger."""
+"""Computes the positions of coupled joints that no message names, such as the joint of a gripper's second finger."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Coupling(NamedTuple):
 
     Attributes:
         follower: MuJoCo's id of the joint that follows.
-        leader: MuJoCo's id of the joint that it follows, or `NOBODY`.
-        polynomial: coefficients that give the follower's position [rad or m] as a function of the leader's position,
-            the constant first.
+        leader: MuJoCo's id of the joint that is followed, or `NOBODY`.
+        polynomial: the coefficients of the follower's position [rad or m] as a function of the leader's position,
+            with the constant first.
     """
 
     follower: int
@@ -49,7 +49,7 @@ class Coupling(NamedTuple):
         return Coupling(self.leader, self.follower, (-offset / ratio, 1 / ratio))
 
     def after(self, other: Coupling) -> Coupling:
-        """Return a coupling to the leader of ``other``, which moves this coupling's leader. Both must be linear."""
+        """Combine this coupling with ``other``, which moves this coupling's leader. Both couplings must be linear."""
         (offset, ratio), (other_offset, other_ratio) = self.polynomial, other.polynomial
         return Coupling(self.follower, other.leader, (offset + ratio * other_offset, ratio * other_ratio))
 
@@ -57,14 +57,14 @@ class Coupling(NamedTuple):
 class Followers:
     """Moves the joints of a displayed body that are coupled to other joints.
 
-    A joint follows its leader until its own position is set: a publisher that names the joint knows its position.
+    A joint follows its leader until the follower's own position is set, for instance from a message.
 
     Args:
         model: the model.
-        prefix: the start of the body's joint names in the model, such as ``Tank/``.
+        prefix: the prefix of the body's joint names in the model, such as ``Tank/``.
 
     Attributes:
-        names: the joints that follow joints with known positions, by their names without the prefix.
+        names: the names, without the prefix, of the joints that follow joints with known positions.
     """
 
     def __init__(self, model: mujoco.MjModel, prefix: str) -> None:
@@ -84,7 +84,7 @@ class Followers:
 
         Args:
             positions: the positions that were set, by joint name.
-            qpos: MuJoCo's positions, which include them.
+            qpos: MuJoCo's positions, which already include the positions that were set.
         """
         if not self._couplings:
             return
@@ -105,7 +105,7 @@ class Followers:
 
 
 def couplings_of(model: mujoco.MjModel) -> list[Coupling]:
-    """Return the couplings between a model's joints that are active at the start."""
+    """Return a model's joint couplings that are active at the start."""
     joint_equalities = (i for i in active_equalities(model) if model.eq_type[i] == mujoco.mjtEq.mjEQ_JOINT)
     return [_coupling(model, equality) for equality in joint_equalities]
 
@@ -123,10 +123,10 @@ def not_computed(model: mujoco.MjModel) -> list[str]:
 
 
 def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling]:
-    """Find the couplings that determine the joints with unknown positions.
+    """Find the couplings that determine the unknown joint positions.
 
-    A linear coupling also works backwards, from its follower to its leader. If several couplings determine a joint, the
-    first one is used.
+    A linear coupling also works backwards, from its follower to its leader. If several couplings determine a
+    joint's position, the first one is used.
 
     Args:
         couplings: the couplings of a model.

@@ -24,22 +24,22 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 
 
 class _LineFile(msgspec.Struct, forbid_unknown_fields=True):
-    """The content of a line's file."""
+    """The content of a line file."""
 
     points: Annotated[list[tuple[Coordinate, Coordinate]], msgspec.Meta(min_length=2)]
     width: Annotated[float, msgspec.Meta(ge=0.01, le=0.2)] = 0.05  # [m]
 
 
 def read_line(path: Path) -> mujoco.MjSpec | None:
-    """Read a line. It is a smooth curve through the file's points and can cross itself.
+    """Read a line from a file. The line is a smooth curve through the file's points and can cross itself.
 
     Returns:
-        The model: a yellow box for each piece of the curve, and a hidden site for each end of a piece; None if the
+        The model: a yellow box for each piece of the curve, and a hidden site at each end of a piece; None if the
         file's name does not end in ``.yaml``.
 
     Raises:
-        TutorialError: the file is malformed, has too few points, repeats a point, or leaves the floor; the error gives
-            the line of the file, and the fix.
+        TutorialError: the file is malformed, has too few points, or repeats a point, or the curve leaves the floor; the
+            error gives the line number in the file, and the fix.
     """
     if path.suffix != SUFFIX:
         return None
@@ -67,11 +67,11 @@ def read_line(path: Path) -> mujoco.MjSpec | None:
 
 
 def line_points(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
-    """Return the points of the line in a world [m], shape (n, 2), from its start to its end; n is 0 without a line.
+    """Return the points of the line in a world [m], shape (n, 2), from start to end; n is 0 if there is no line.
 
     Args:
         model: the world's model.
-        data: its state, with the positions computed (``mj_forward`` or ``mj_kinematics``).
+        data: the world's state, with the positions already computed (``mj_forward`` or ``mj_kinematics``).
     """
     sites = [i for i in range(model.nsite) if model.site(i).name.partition("/")[2].startswith(SITE)]
     points: NDArray[np.float64] = data.site_xpos[sites, :2].reshape(-1, 2)
@@ -79,7 +79,7 @@ def line_points(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float6
 
 
 def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
-    """Return points on the curve, shape (n, 2). Neighbouring points determine the slope at each point of the file."""
+    """Return points on the curve, shape (n, 2). Each point's neighbours in the file determine the slope there."""
     corners = np.array(file.data.points)
     chords = np.hypot(*np.diff(corners, axis=0).T)
     for repeated in np.flatnonzero(chords < 1e-6):
@@ -98,12 +98,12 @@ def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
 
 
 def _piece(ends: NDArray[np.float64], slopes: NDArray[np.float64], chord: float) -> NDArray[np.float64]:
-    """Return points on a cubic Hermite spline, shape (n, 2), without its end.
+    """Return points on a cubic Hermite spline, shape (n, 2), excluding its end point.
 
     Args:
-        ends: its start and end [m], shape (2, 2).
-        slopes: its derivatives at both ends with respect to the length along the chord, shape (2, 2).
-        chord: the distance between start and end [m].
+        ends: the start and end points [m], shape (2, 2).
+        slopes: the derivatives at both ends with respect to the length along the chord, shape (2, 2).
+        chord: the distance between the start and end points [m].
     """
     start, end = ends
     start_slope, end_slope = slopes

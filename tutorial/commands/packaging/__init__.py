@@ -1,1 +1,1 @@
-"""The files that ``tank package`` writes, made from the templates in ``template/``."""
+"""The files that ``tank package`` generates from the templates in ``template/``."""

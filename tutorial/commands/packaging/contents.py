@@ -28,18 +28,18 @@ NOBODY = ("Your Name", "you@example.com")
 def make_package(
     name: str, controller: tuple[Path, str | None] | None, example: str = "listener"
 ) -> tuple[dict[str, bytes], str]:
-    """Make a package around a controller or, without one, an example node.
+    """Make a package that contains a controller or, if none is given, an example node.
 
     Args:
         name: the package's name.
-        controller: the Python file that defines it, and its class name, which can be None if the file defines only one.
+        controller: the controller's Python file and class name; None instead of the name if the file defines only one.
         example: ``"listener"``, the first node of step 1's notebook, or ``"server"``, which offers a service.
 
     Returns:
-        The content of each file, by its path within the package; and the name of the executable.
+        The content of each file, keyed by the file's path within the package; and the name of the executable.
 
     Raises:
-        TutorialError: the name is invalid, the controller is missing, or no step has a controller of that name.
+        TutorialError: the name is invalid, the controller is missing, or no step has a controller with that name.
     """
     check_package_name(name)
     if controller is None:
@@ -84,10 +84,10 @@ def make_interfaces(name: str) -> dict[str, bytes]:
         name: the package's name.
 
     Returns:
-        The content of each file, by its path within the package.
+        The content of each file, keyed by the file's path within the package.
 
     Raises:
-        TutorialError: a package cannot have this name.
+        TutorialError: the name is not allowed for a package.
     """
     check_package_name(name)
     maintainer, email = find_maintainer()
@@ -102,7 +102,7 @@ def _filled(template: str, words: Mapping[str, str]) -> bytes:
 
 
 def find_maintainer() -> tuple[str, str]:
-    """Return the user's name and address from git; `NOBODY` if they are missing or invalid in package.xml."""
+    """Return the user's name and email from git; `NOBODY` if either is missing or not allowed in package.xml."""
     name, email = _ask_git("user.name"), _ask_git("user.email")
     return (name, email) if name.isprintable() and name and EMAIL.fullmatch(email) else NOBODY
 
@@ -115,15 +115,15 @@ _EXAMPLES = {
 
 
 def _controller(file: Path, only: str | None) -> dict[str, str]:
-    """Return the templates' variables for a controller that replaces the course's controller with the same name.
+    """Return the templates' variables for a controller that replaces the course's controller of the same name.
 
     Args:
-        file: the Python file that defines it.
-        only: the name of its class; None if the file defines only one.
+        file: the Python file that defines the controller.
+        only: the name of the controller's class; None if the file defines only one controller.
 
     Raises:
-        TutorialError: the file is missing or fails; it defines several controllers, or no controller of this name; or
-            no project of the course has a controller of this name.
+        TutorialError: the file is missing, raises an exception, or does not define exactly one such controller; or no
+            project of the course has a controller with this name.
     """
     found = load_controllers(file, only)
     bases = {base for controller in found.values() for base in controller.__mro__[1:]}
@@ -144,7 +144,7 @@ def _controller(file: Path, only: str | None) -> dict[str, str]:
 
 
 def _project_for(name: str) -> Project:
-    """Find the course's first project that has a controller of this name.
+    """Find the first project of the course that has a controller with this name.
 
     Raises:
         TutorialError: no project has such a controller.
