@@ -1,4 +1,4 @@
-"""Finds poses and joint states that a viewer cannot show, and counts the messages that it skips."""
+"""Finds poses and joint states that a viewer cannot show, and counts the messages that the viewer skips."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ QUIET = 50  # messages skipped silently at the start, while only one topic's pub
 
 
 def fault_of(message: JointState | TransformStamped) -> str:
-    """Return why a viewer in the frame ``odom`` cannot show a message; empty if it can."""
+    """Return why a viewer in the frame ``odom`` cannot show a message, or an empty string if it can."""
     if isinstance(message, JointState):
         arrays = message.header.frame_id, message.name, message.position, message.velocity, message.effort
         return "with more joints than any robot has" if sum(map(len, (*arrays, *message.name))) > LARGEST else ""
@@ -35,14 +35,14 @@ def fault_of(message: JointState | TransformStamped) -> str:
 class Tally:
     """Counts the messages that a viewer shows and those that it skips.
 
-    Logs the counts every five seconds, except at the start.
+    Logs how many messages were skipped, at most every five seconds and not at the start.
 
     Args:
         name: the body's name.
         node: the node that logs.
 
     Attributes:
-        shown: the number of shown pairs of a pose and a joint state.
+        shown: how many pairs of a pose and a joint state the viewer has shown.
         left_out: the number of messages skipped, by reason.
     """
 

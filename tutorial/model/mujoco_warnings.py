@@ -1,4 +1,7 @@
-"""Sends MuJoCo's warnings to the log. By default, MuJoCo prints them and writes them to a file in the user's folder."""
+"""Sends MuJoCo's warnings to the log.
+
+By default, MuJoCo prints its warnings, and appends them to MUJOCO_LOG.TXT in the current folder.
+"""
 
 import logging
 import time
@@ -31,7 +34,7 @@ class _MujocoWarns:
         self._due = 0.0
 
     def __call__(self, text: str) -> None:
-        """Log a warning. The next line reports how many warnings were suppressed since the last line."""
+        """Log a warning, or only count it if the last log line is too recent. The next log line reports the count."""
         with suppress(BaseException):  # an exception that reaches MuJoCo, which is C++, would end the process
             now = time.monotonic()
             if now < self._due:

@@ -1,4 +1,4 @@
-"""MuJoCo's options. They apply to the whole world, but each of its models can set some of them."""
+"""MuJoCo's options. An option applies to the whole world, but any model in the world can set it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -36,16 +36,17 @@ Models = Mapping[Path, mujoco.MjSpec]
 
 
 def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]], time_step: float | None) -> str:
-    """Set a world's options from its models, and copy them to each model, so that it can be attached.
+    """Set a world's options from its models, and copy them to each model so that MuJoCo can attach the model.
 
-    An option is used if the models that set it agree. If they do not, or if no model sets it, the world uses its own
-    value: the original tutorial's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag,
-    such as ``contact``, or a disabled group of actuators is used only if all models set it.
+    If all models that set an option agree on its value, the world uses that value. If they do not agree, or if no model
+    sets the option, the world uses its own value: the original tutorial's gravity, the integrator ``implicitfast``, and
+    MuJoCo's defaults for the rest. A flag, such as ``contact``, is set only if all models set it; a group of actuators
+    is disabled only if all models disable it.
 
     Args:
         world: the world, whose options this function sets.
-        parts: the file and the content of each model. This function also sets the options in the content.
-        time_step: the world's time step [s], which overrides the models' time steps; None to use them.
+        parts: the file and the content of each model. This function also sets the models' options.
+        time_step: the world's time step [s], which overrides the models' time steps; None to use the models' values.
 
     Returns:
         A description of the models' options that are not used; empty if all are used.
@@ -72,7 +73,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
 
 
 def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -> Iterator[str]:
-    """Set the options that have a value. Yield a description of each contradiction."""
+    """Set the options that are numbers or keywords. Yield a description of each option on which the models disagree."""
     for bit, name in enumerate(OPTIONS):
         said = {path: _value(spec, name) for path, spec in models.items() if spec.authored.option >> bit & 1}
         if name == "timestep" and time_step is not None:
@@ -105,7 +106,7 @@ def _set_actuator_groups(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
 
 
 def _set_bit(world: mujoco.MjSpec, models: Models, field: str, bit: int) -> list[Path]:
-    """Set a bit if all models have it; otherwise return the models that have it."""
+    """Set a bit in the world if it is set in all models; otherwise, return the models in which it is set."""
     having = [path for path, spec in models.items() if getattr(spec.option, field) & bit]
     if len(having) < len(models):
         return having
@@ -119,7 +120,7 @@ def _value(spec: mujoco.MjSpec, name: str) -> Any:
 
 
 def _word(name: str, value: Any) -> str:
-    """Write a value as MJCF does."""
+    """Format a value as it is written in MJCF."""
     if name in WORDS:
         return WORDS[name][int(value)]
     return " ".join(f"{each:g}" for each in value) if isinstance(value, tuple) else f"{value:g}"

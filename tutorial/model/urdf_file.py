@@ -1,4 +1,4 @@
-"""Reads URDF files as MuJoCo models, with some settings, and finds their meshes."""
+"""Reads URDF files as MuJoCo models: adds compiler settings, and finds the meshes."""
 
 import os
 from collections.abc import Iterator
@@ -35,13 +35,13 @@ PACKAGE = ("package", "model")
 
 
 def read_urdf(path: Path) -> mujoco.MjSpec | None:
-    """Read a robot description. The view shows its visuals, or its collision shapes if it has no visuals.
+    """Read a robot description. The view shows the robot's visual shapes or, if there are none, its collision shapes.
 
-    A mesh's ``filename`` can begin with ``package://``. The package's folder is found by its name or ``package.xml``,
-    searching from the file's folder upwards, or by its name in AMENT_PREFIX_PATH.
+    A mesh's ``filename`` can begin with ``package://``. This function looks for the package's folder, first by name and
+    by ``package.xml`` in the file's folder and all folders above it, then by name in the folders of AMENT_PREFIX_PATH.
 
     Args:
-        path: the file, with any suffix.
+        path: the file, whatever its suffix.
 
     Returns:
         The model; None if the file is not a URDF.
@@ -87,7 +87,7 @@ def _parse(path: Path) -> Element | None:
 
 
 def _apply_settings(robot: Element) -> str | None:
-    """Add the settings to the robot's ``<mujoco>``. Return the mesh folder that it names, if any."""
+    """Add the settings to the robot's ``<mujoco>`` element. Return the mesh folder specified there, if any."""
     extension = robot.find("mujoco")
     extension = SubElement(robot, "mujoco") if extension is None else extension
     compiler = extension.find("compiler")
@@ -101,9 +101,9 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
 
     Args:
         given: the mesh's ``filename`` in the robot description.
-        path: path of the robot description.
-        meshdir: the mesh folder that the description names, relative to the description's folder; None if it names no
-            mesh folder.
+        path: the path of the robot description.
+        meshdir: the mesh folder that the description specifies, relative to the description's folder; None if the
+            description specifies none.
     """
     folder = path.absolute().parent
     scheme, _, rest = given.rpartition("://")
@@ -152,7 +152,7 @@ def _is_file(path: Path) -> bool:
 
 
 def _drop_repeated_names(robot: Element) -> None:
-    """Keep each shape name only once: URDF lets a visual and a collision share a name, but MuJoCo doesn't."""
+    """Make the shapes' names unique: URDF lets visual and collision shapes share a name, but MuJoCo doesn't."""
     taken = set[str]()
     for shape in (*robot.iterfind("link/visual"), *robot.iterfind("link/collision")):
         name = shape.attrib.pop("name", "")
@@ -162,7 +162,7 @@ def _drop_repeated_names(robot: Element) -> None:
 
 
 def _show_visuals(spec: mujoco.MjSpec) -> None:
-    """Hide the collision shapes if there are visuals. Meshes that are only visuals need not enclose a volume."""
+    """Hide the collision shapes if there are visual shapes. Allow purely visual meshes that do not enclose a volume."""
     seen = [geom for geom in spec.geoms if geom.group == VISUAL]
     touching = [geom for geom in spec.geoms if geom.group != VISUAL]
     for geom in touching if seen else ():

@@ -64,8 +64,8 @@ class YamlFile(Generic[T]):
         data: the file's content.
 
     Raises:
-        TutorialError: the file is missing, is not YAML, or does not match the type; the error gives the line and the
-            fix.
+        TutorialError: the file is missing, is not YAML, or does not match the type; the message includes the line
+            number and a suggestion.
     """
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:
@@ -101,7 +101,7 @@ class YamlFile(Generic[T]):
         return int(named.start_mark.line) + 1
 
     def _parse(self, text: str) -> tuple[yaml.Node, Any]:
-        """Parse the file twice: into nodes, which have line numbers, and into their values."""
+        """Parse the file into nodes, which have line numbers, and convert the nodes to values."""
         try:
             root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # an empty file has no fields
             return root, _Loader("").construct_document(root)
@@ -113,7 +113,7 @@ class YamlFile(Generic[T]):
 
 
 def _refusal(error: str, shape: type) -> tuple[list[str | int], str]:
-    """Return the location of the mistake that msgspec found, and describe the mistake in YAML's terms."""
+    """Return the location of the mistake that msgspec found, and a description of the mistake in YAML's terms."""
     problem, _, path = error.partition(" - at ")
     where = [int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", path)]
     name = problem.partition("`")[2][:-1]

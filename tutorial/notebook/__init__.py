@@ -88,7 +88,7 @@ prepare_process()
 
 
 def open_program(project: Project | str, node: str = "tank") -> Program:
-    """Open a project as a program in this kernel. A program with the same node name is closed first.
+    """Open a project as a program in this kernel. Any open program with the same node name is closed first.
 
     Args:
         project: a project, its path, or its name, such as ``"step1"``.
@@ -102,7 +102,7 @@ def open_program(project: Project | str, node: str = "tank") -> Program:
 
 
 def open_node(name: str) -> MeteredNode:
-    """Make a node whose callbacks run on a separate thread. A node with the same name is closed first.
+    """Make a node whose callbacks run on a separate thread. Any open node with the same name is closed first.
 
     Args:
         name: the node's name.
@@ -111,7 +111,7 @@ def open_node(name: str) -> MeteredNode:
 
 
 def open_watched_node(name: str, executor: Callable[..., Executor] = SingleThreadedExecutor) -> WatchedNode:
-    """Make a node like `open_node`, and record when its callbacks run and wait, for `callback_lanes`.
+    """Make a node as `open_node` does, and record for `callback_lanes` when the node's callbacks run and wait.
 
     Args:
         name: the node's name.
@@ -121,10 +121,10 @@ def open_watched_node(name: str, executor: Callable[..., Executor] = SingleThrea
 
 
 async def end_deadlock(node: WatchedNode) -> None:
-    """Wait until a callback of a node waits for itself; print how, and end the wait with a `DeadlockError`. Idempotent.
+    """Wait until a callback deadlocks; print an explanation, and raise a `DeadlockError` in the callback. Idempotent.
 
     Raises:
-        TutorialError: no callback waited for itself within 30 s.
+        TutorialError: no callback deadlocked within 30 s.
     """
     await until(lambda: node.deadlocks() or node.ended, "a deadlock")
     node.end_deadlocks()
@@ -140,7 +140,7 @@ def _close_watched(thread: SpinThread[WatchedNode]) -> None:
 
 
 def start_command(line: str) -> Command:
-    """Start a command in a separate process, as in a second terminal. If it is already running, it is stopped first.
+    """Start or restart a command in a separate process, as in a second terminal.
 
     Args:
         line: the command line, for instance ``"tank joy"``.
@@ -166,7 +166,7 @@ def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
 
 
 def chaos_panel() -> ChaosPanel:
-    """Publish joint states, and show a slider for each kind of fault in them, as ``tank chaos`` does at a terminal."""
+    """Publish joint states with faults, as ``tank chaos`` does, and show a slider for each kind of fault."""
     return keep("chaos panel", ChaosPanel, ChaosPanel.end)
 
 

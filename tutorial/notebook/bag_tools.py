@@ -1,4 +1,4 @@
-"""``ros2 bag play`` for a cell."""
+"""``ros2 bag play`` as a function for cells."""
 
 import asyncio
 import threading
@@ -17,11 +17,11 @@ async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float
 
     Args:
         bag: the bag, or its path.
-        rate: the speed; 2 is twice as fast as recorded.
+        rate: the playback speed; 2 means twice as fast as recorded.
         start_offset: the time to skip at the beginning [s].
 
     Raises:
-        TutorialError: there is no such bag, it has nothing to play, or a number is invalid.
+        TutorialError: there is no such bag, the bag has nothing to play, or `rate` or `start_offset` is invalid.
     """
     opened = bag if isinstance(bag, Bag) else Bag(bag)
     thread = keep("bag player", lambda: NodeThread("rosbag2_player"), NodeThread.close)

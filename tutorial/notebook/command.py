@@ -19,7 +19,7 @@ LINES_KEPT = 1000
 
 
 class Command:
-    """A command that runs beside the kernel, in the tutorial's folder. It stops when the kernel exits or is killed.
+    """A command that runs in its own process, in the tutorial's folder. It stops when the kernel exits or is killed.
 
     Args:
         line: the command line, for instance ``"tank run step2 --headless"``.
@@ -52,7 +52,7 @@ class Command:
         """Wait until the command has printed `text`.
 
         Raises:
-            TutorialError: the command exited without printing it, or took too long.
+            TutorialError: the command exited without printing `text`, or took too long.
         """
         await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to print {text!r}")
         if text not in self.output:

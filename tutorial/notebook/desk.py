@@ -15,10 +15,10 @@ LINES_KEPT = 100
 
 
 class LogLines(logging.Handler):
-    """Keeps log lines. If other threads printed them, they would appear below the cell that was run last.
+    """Keeps log lines instead of printing them: other threads' output would appear below the cell that was run last.
 
     Attributes:
-        lines: the newest lines, each with its time from `time.monotonic` [s]. Any thread can add lines at any time.
+        lines: the newest lines, each with its `time.monotonic` timestamp [s]. Any thread can add lines at any time.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class LogLines(logging.Handler):
         self.lines: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a log record as a line. Thread-safe."""
+        """Format a log record as a line, and store the line. Thread-safe."""
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
@@ -43,7 +43,7 @@ _open: dict[str, tuple[Any, Callable[[], object]]] = {}
 
 
 def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Make an object and register it under a name, after closing the object that had this name.
+    """Make an object and register it under a name, after closing any object that already has this name.
 
     Args:
         name: the name, for instance ``"program simulation"``.
@@ -57,12 +57,12 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
 
 
 def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Return the object registered under a name, or make one as `keep` does."""
+    """Return the object registered under a name; if there is none, make and register one as `keep` does."""
     return _open[name][0] if name in _open else keep(name, make, close)
 
 
 def close_all() -> None:
-    """Close everything that is open in this kernel, the newest first. Widgets keep showing their last content."""
+    """Close everything that is open in this kernel, newest first. Widgets keep showing their last content."""
     for name in reversed(tuple(_open)):
         try:
             close_kept(name)
@@ -76,7 +76,7 @@ async def until(condition: Callable[[], object], what: str = "", timeout: float 
     Args:
         condition: called repeatedly until it returns a true value.
         what: a description of the condition, for the error.
-        timeout: the longest time to wait [s].
+        timeout: the maximum time to wait [s].
 
     Raises:
         TutorialError: the condition did not hold in time.
@@ -89,7 +89,7 @@ async def until(condition: Callable[[], object], what: str = "", timeout: float 
 
 
 def _in_vain(began: float, timeout: float, what: str) -> str:
-    """Describe the timeout, with the newest error logged during the wait, which may be its cause."""
+    """Describe the timeout; include the last error logged during the wait, which may be the cause."""
     said = f"timed out after {timeout:g} s{f' waiting for {what}' if what else ''}."
     errors = [line for time, line in logged.lines.copy() if time >= began and line.startswith("[ERROR]")]
     hint = f"Meanwhile: {errors[-1]}" if errors else "Run the cells above, in order, then this one."
@@ -97,9 +97,9 @@ def _in_vain(began: float, timeout: float, what: str) -> str:
 
 
 def log() -> None:
-    """Print the library's log lines since the last call.
+    """Print the lines that the library has logged since the last call.
 
-    The lines can come from any thread, so they do not appear in a cell by themselves.
+    Any thread can log, so log lines are not displayed in a cell automatically.
     """
     for _ in range(len(logged.lines)):
         print(logged.lines.popleft()[1])  # noqa: T201 - this function prints

@@ -1,4 +1,4 @@
-"""The programs of step 9, broken on purpose: each should publish joint states to a viewer, which shows none of them."""
+"""Step 9's deliberately broken programs: each should publish joint states to a viewer, but the viewer shows none."""
 
 import shlex
 import sys
@@ -18,16 +18,16 @@ NAME = "fault"  # the running program's name in the registry; only one program r
 
 
 async def start_fault(number: int, source: str | None = None) -> Command:
-    """Start a broken program in a separate process, after stopping the previous one; wait until it is visible.
+    """Stop the previous program, start a broken one in a separate process, and wait until its node is discovered.
 
-    A program in a different domain never becomes visible, so the wait is short.
+    A node in a different domain is never discovered, so the wait has a short timeout.
 
     Args:
         number: the program's number, from 1. Its source is ``faults/tankN.py`` in the notebooks' folder.
         source: source code to run instead, such as a repaired version.
 
     Raises:
-        TutorialError: there is no program with this number, or it failed.
+        TutorialError: there is no program with this number, or the program failed to start.
     """
     paths = sorted((HOME / "notebooks" / "faults").glob("tank*.py"))
     if number not in range(1, len(paths) + 1):
@@ -45,6 +45,6 @@ def stop_fault() -> None:
 
 
 def _publishes(node: Node, name: str) -> bool:
-    """Return whether a node has discovered that the node with this name publishes joint states."""
+    """Return whether `node` has discovered a publisher of joint states in the node called `name`."""
     topics = (topic for topic in topics_with_types(node) if topic.endswith("/joint_state"))
     return any(info.node_name == name for topic in topics for info in publishers_on(node, topic))

@@ -26,8 +26,8 @@ def prepare_process() -> None:
 
     - Reserve a ROS domain for this process and its children, unless ``ROS_DOMAIN_ID`` is set: two notebooks must not
       share a domain.
-    - Restrict discovery to this machine, unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is set. The default of a real ROS 2
-      is the whole network, where two learners in a classroom would sooner or later choose the same domain.
+    - Restrict discovery to this machine, unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is set. By default, a real ROS 2
+      discovers nodes on the whole network; in a classroom, two learners would sooner or later share a domain.
     - Keep the library's log lines for `tutorial.notebook.log`, and send them nowhere else.
     - When the process ends, close everything that is open.
     - Have IPython point out a missing ``await`` where a cell would display a coroutine.
@@ -62,11 +62,11 @@ def _handle_comms_between_cells(lock: Any) -> None:
     "idle" status name the ended cell as their parent, and the page waits for them forever. ipykernel 7.4 also routes a
     page's messages to the thread that wrote to the page last, usually the main thread, even if the page requests a
     different thread. ipykernel has no setting for either behaviour, so this function replaces private attributes. A
-    test checks that they still exist.
+    test checks that ipykernel still has these attributes.
 
     Args:
-        lock: the kernel's lock, held while a cell runs. While it reports that it is locked, the kernel handles comm
-            messages at once.
+        lock: the kernel's lock, held while a cell runs. While the lock reports that it is locked, the kernel handles
+            comm messages at once.
     """
     BaseComm._reply_subshell_for = None  # type: ignore[assignment, method-assign]
     lock.locked = lambda: False

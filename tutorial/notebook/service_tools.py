@@ -1,4 +1,7 @@
-"""``ros2 service`` and ``ros2 param`` as functions for cells, with the same output. They need a real ROS 2."""
+"""``ros2 service`` and ``ros2 param`` as functions for cells, with the same output.
+
+These functions need a real ROS 2.
+"""
 
 from tutorial.notebook.topic_tools import TIMEOUT, asker
 from tutorial.ros import parameters, services
@@ -9,7 +12,7 @@ async def service_list(show_types: bool = False) -> None:
     """Print the services, as ``ros2 service list`` does.
 
     Args:
-        show_types: whether to print their types, too, as ``-t`` does.
+        show_types: whether to also print the services' types, as with ``-t``.
     """
     print_text(await services.service_list(asker(), show_types))
 
@@ -19,7 +22,7 @@ async def service_call(service: str, type_name: str, values: str = "{}") -> None
 
     Args:
         service: the service's name.
-        type_name: its type, such as ``"std_srvs/srv/SetBool"``.
+        type_name: the service's type, such as ``"std_srvs/srv/SetBool"``.
         values: the fields of the request in YAML, such as ``"{data: true}"``.
 
     Raises:
@@ -35,7 +38,7 @@ async def param_list(node: str | None = None) -> None:
         node: the node's name; None for all nodes.
 
     Raises:
-        TutorialError: there is no such node. All functions for parameters raise this error.
+        TutorialError: there is no such node. All functions for parameters can raise this error.
     """
     print_text(await parameters.param_list(asker(), node))
 
@@ -56,7 +59,7 @@ async def param_set(node: str, name: str, value: object) -> None:
     Args:
         node: the node's name.
         name: the parameter's name.
-        value: the value, or YAML text.
+        value: the value, as a Python object or as YAML text.
     """
     _, text = await parameters.param_set(asker(), node, name, str(value))
     print_text(text)

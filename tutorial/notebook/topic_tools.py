@@ -1,4 +1,4 @@
-"""``ros2 node list``, ``topic list``, ``info``, ``echo`` and ``hz``, and ``tank doctor TOPIC``, for a cell."""
+"""``ros2 node list``, ``ros2 topic list/info/echo/hz`` and ``tank doctor TOPIC`` as functions for cells."""
 
 from collections.abc import Iterable
 
@@ -22,17 +22,17 @@ async def topic_list(show_types: bool = False) -> None:
     """Print the topics, as ``ros2 topic list`` does.
 
     Args:
-        show_types: print their types, too, as with ``-t``.
+        show_types: whether to also print the topics' types, as with ``-t``.
     """
     print_text(await listing.topic_list(asker(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
-    """Print a topic's type and its numbers of publishers and subscriptions, as ``ros2 topic info`` does.
+    """Print a topic's type and how many publishers and subscriptions it has, as ``ros2 topic info`` does.
 
     Args:
         topic: the full name of the topic.
-        verbose: print their nodes and quality of service, too, as with ``-v``.
+        verbose: whether to also print each endpoint's node and quality of service, as with ``-v``.
 
     Raises:
         TutorialError: there is no such topic.
@@ -45,7 +45,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
 
     Args:
         topic: the full name of the topic.
-        once: print one message, as with ``--once``.
+        once: print only one message, as with ``--once``.
         field: print only this field, as with ``--field``, for instance ``"position"``.
         no_arr: print only the type and length of each array, as with ``--no-arr``.
 
@@ -56,12 +56,12 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
 
 
 async def topic_hz(topic: str, window: int = 10_000, timeout: float = TIMEOUT) -> None:
-    """Print a topic's message rate twice, a second apart, as ``ros2 topic hz`` does.
+    """Print two reports of a topic's message rate, a second apart, in the format of ``ros2 topic hz``.
 
     Args:
         topic: the full name of the topic.
         window: the number of messages to average over.
-        timeout: the longest wait for a message [s].
+        timeout: the maximum time to wait for a message [s].
 
     Raises:
         TutorialError: no message arrives in time.
@@ -70,7 +70,7 @@ async def topic_hz(topic: str, window: int = 10_000, timeout: float = TIMEOUT) -
 
 
 async def why(topic: str, joints: Iterable[str] | None = None) -> None:
-    """Print why no messages of a topic arrive here, as ``tank doctor TOPIC`` does. This takes four seconds.
+    """Print why no messages on a topic arrive in this kernel, as ``tank doctor TOPIC`` does. This takes four seconds.
 
     Args:
         topic: the name of the topic.
@@ -84,5 +84,5 @@ async def why(topic: str, joints: Iterable[str] | None = None) -> None:
 
 
 def asker() -> MeteredNode:
-    """Return the node of these tools. Its name begins with an underscore, so ``ros2 node list`` hides it."""
+    """Return the node that these tools share. Its name begins with an underscore, so ``ros2 node list`` hides it."""
     return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node

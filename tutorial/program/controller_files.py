@@ -1,4 +1,4 @@
-"""Finds controllers in the library, where each file contains one controller, and in a user's file."""
+"""Finds controllers: in the library, which has one controller per file, and in a user's file."""
 
 import pkgutil
 import sys
@@ -14,7 +14,7 @@ from tutorial.system.paths import is_file
 
 
 def controller_names() -> dict[str, str]:
-    """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""
+    """Map the names of the library's controllers to their modules: ``TankController`` is in ``tank_controller.py``."""
     names = [module.name for module in pkgutil.iter_modules(controllers.__path__)]
     return {"".join(map(str.capitalize, name.split("_"))): f"{controllers.__name__}.{name}" for name in names}
 
@@ -23,8 +23,8 @@ def find_controller(name: str) -> type[SimpleController]:
     """Find one of the library's controllers by its class name.
 
     Raises:
-        TutorialError: there is no such controller, or its file raises an exception; the error suggests a name or gives
-            the line.
+        TutorialError: there is no such controller, or its file raises an exception; the message includes a similar name
+            or the line number.
     """
     known = controller_names()
     if name not in known:
@@ -50,14 +50,14 @@ def load_controllers(path: Path, only: str | None = None) -> dict[str, type[Simp
 
     Args:
         path: a Python file.
-        only: return only the controller of this name; None for all.
+        only: return only the controller with this name; None for all.
 
     Returns:
         The classes by name.
 
     Raises:
-        TutorialError: the file is missing, raises an exception, or does not define such a controller; the error gives
-            the line or suggests the nearest name.
+        TutorialError: the file is missing, raises an exception, or does not define such a controller; the message
+            includes the line number or a similar name.
     """
     if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]

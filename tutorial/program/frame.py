@@ -1,4 +1,4 @@
-"""One frame of a program's view: the bodies, and the line below them."""
+"""One frame of a program's view: the bodies, and the line of text below them."""
 
 from collections.abc import Mapping
 
@@ -10,7 +10,7 @@ FEW = 3  # with more bodies than this, only bodies with faults get a line
 
 
 def draw_frame(view: View, items: Mapping[str, Item], note: str, error: BaseException | None) -> None:
-    """Draw the bodies that have changed, and write the line below the view.
+    """Draw the bodies that have changed, and write the line of text below the view.
 
     Args:
         view: the view, which already contains the bodies.

@@ -37,7 +37,7 @@ _log = logging.getLogger(__name__)
 
 
 class Host(AbstractAsyncContextManager["Host"]):
-    """A program that runs a project: it simulates or, if the project has no simulator, only displays.
+    """A program that runs a project: it simulates the bodies or, if the project has no simulator, only displays them.
 
     Create and use it on the main thread, whose event loop must be running. Use ``async with Host(project)`` in a
     notebook's cell, or in a coroutine that a script passes to `asyncio.run`.
@@ -55,7 +55,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         note: text at the start of the line below the view, until the next run.
 
     Raises:
-        TutorialError: a controller does not fit its body or, at the end of the context, has failed to leave it.
+        TutorialError: a controller does not fit its body or, at the end of the context, failed in ``unconfigure``.
     """
 
     def __init__(
@@ -107,12 +107,12 @@ class Host(AbstractAsyncContextManager["Host"]):
 
         Args:
             duration: how long to run [s], in simulated time if the project simulates; None to run until cancelled.
-            linger: if the program only displays, the maximum time to wait after the duration until the publishers have
-                left and their messages have been applied [s].
+            linger: if the program only displays, the maximum time to wait, after the duration, for the publishers to
+                leave and for their messages to be applied [s].
             progress: called with `seconds` once per frame.
 
         Raises:
-            ControllerError: a controller raised an exception or does not return; in both cases, the simulation has
+            ControllerError: a controller raised an exception or did not return; in both cases, the simulation has
                 stopped.
             TutorialError: the program is closed.
         """
@@ -149,8 +149,8 @@ class Host(AbstractAsyncContextManager["Host"]):
         """Add a body with its controllers to a program that only displays.
 
         Raises:
-            TutorialError: the program simulates or is closed, a body of this name exists, or a controller does not fit
-                the body; in that case, the body is not added.
+            TutorialError: the program simulates or is closed, a body with this name already exists, or a controller
+                does not fit the body. In each case, the body is not added.
         """
         name = entry.placement.name
         if self._closed:
@@ -167,13 +167,13 @@ class Host(AbstractAsyncContextManager["Host"]):
             raise
 
     def remove(self, name: str) -> None:
-        """Have a body's controllers leave it, cancel their waiting calls, and remove the body from the program.
+        """Detach a body's controllers, cancel their waiting calls, and remove the body from the program.
 
-        If the body is simulated, its copy stays in the simulated world. All earlier errors are cleared, because that
-        body may have caused them.
+        If the body is simulated, its copy remains in the simulated world. Earlier errors, except the simulation's, are
+        cleared, because the removed body may have caused them.
 
         Raises:
-            ControllerError: a controller does not return; the body is removed anyway.
+            ControllerError: a controller did not return; the body is removed anyway.
             TutorialError: there is no such body.
         """
         if name not in self._items:
@@ -190,7 +190,7 @@ class Host(AbstractAsyncContextManager["Host"]):
                 self._view.remove(name)
 
     def close(self) -> None:
-        """Shut down the simulation, controllers and node. Idempotent; if Ctrl-C interrupts it, call it again."""
+        """Shut down the simulation, controllers and node. Idempotent; call it again if Ctrl-C interrupts it."""
         self._closed = True
         try:
             if self.simulation is not None:
@@ -220,19 +220,22 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def seconds(self) -> float:
-        """Simulated time [s]; if the program only displays, how long its last run has taken."""
+        """Simulated time [s]; if the program only displays, the duration of its current or last run."""
         if self.simulation is not None:
             return self.simulation.time
         return self._last_run.seconds if self._last_run is not None else 0.0
 
     @property
     def error(self) -> BaseException | None:
-        """The last error since the last start: the simulation's, or else that of a callback, camera or posted call."""
+        """The last error since the last start.
+
+        The simulation's error takes precedence over the errors of callbacks, cameras and posted calls.
+        """
         simulated = self.simulation.error if self.simulation is not None else None
         return simulated or self._ros.error or self._cameras.error or self._calls.error
 
     def forget_errors(self) -> None:
-        """Clear the note and all errors except the simulation's. Each `run` starts with this call. Main thread only."""
+        """Clear the note and all errors except the simulation's. `run` calls this method first. Main thread only."""
         self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
@@ -249,7 +252,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         return make_record(self.node.get_name(), self.seconds, self.node.meters, list(self._items.values()))
 
     def _add(self, entry: BodyItem, simulates: bool) -> None:
-        """Add a body to the program and its view, and have its controllers join it."""
+        """Add a body to the program and the view, and attach the body's controllers."""
         name = entry.placement.name
         item = self._items[name] = Item(entry.placement, self.node, self._calls, self._ask)
         if self._view is not None:
@@ -260,7 +263,10 @@ class Host(AbstractAsyncContextManager["Host"]):
                 _log.warning("%s.control is never called: this project has no 'simulator'", controller.__name__)
 
     def _ask(self, function: Callable[..., Any], /, *args: object, timeout: float = PATIENCE) -> Any:
-        """Have the simulation's thread run a function. Refuse until a simulation exists: controllers join earlier."""
+        """Have the simulation's thread run a function.
+
+        Refuse the request if there is no simulation yet: controllers are attached before the simulation is created.
+        """
         if self.simulation is None:
             raise RefusedError(NO_SIMULATION)
         return self.simulation.world.requests.ask(function, *args, timeout=timeout)

@@ -1,4 +1,4 @@
-"""A picture of a node's callbacks: when each runs, and when it waits, with a lane for each thread."""
+"""A picture of when a node's callbacks run and when they wait, with a lane for each thread."""
 
 import time
 from xml.etree.ElementTree import Element
@@ -23,7 +23,7 @@ FONT = f"fill:{svg.INK};font-family:{svg.CODE_FONT}"
 
 
 def callback_lanes(node: WatchedNode, *callbacks: str) -> Picture:
-    """Draw when a node's callbacks ran and waited, from the first to the last run of the given callbacks.
+    """Show when a node's callbacks ran and waited, from the first to the last run of the given callbacks.
 
     Args:
         node: the node.
@@ -55,7 +55,7 @@ def callback_lanes(node: WatchedNode, *callbacks: str) -> Picture:
 
 
 def _x(moment: float, times: tuple[float, float]) -> float:
-    """Return a moment's horizontal position [px], between the ends of the time axis."""
+    """Return a moment's horizontal position [px], clamped to the ends of the time axis."""
     return LEFT + (RIGHT - LEFT) * min(max((moment - times[0]) / (times[1] - times[0]), 0.0), 1.0)
 
 
@@ -68,7 +68,7 @@ def _draw_spans(root: Element, spans: list[Span], y: float, times: tuple[float, 
 
 
 def _write_labels(root: Element, spans: list[Span], y: float, times: tuple[float, float]) -> None:
-    """Write each running span's name at its beginning, if there is room."""
+    """Write a callback's name at the beginning of each span in which the callback runs, if there is room."""
     free = 0.0  # the x beyond which there is room for a label
     for span in spans:
         x, width = _x(span.began, times), LETTER * (len(span.label) + 2)

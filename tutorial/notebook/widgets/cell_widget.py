@@ -46,11 +46,11 @@ def parse_message(content: object, kind: type[T]) -> T | None:
 
 
 class CellWidget(anywidget.AnyWidget):
-    """A widget with an idempotent `end` and `close`, and the same ``repr`` in every run.
+    """A widget whose `end` and `close` are idempotent, and whose ``repr`` is the same in every run.
 
     Attributes:
-        ended: whether the widget has ended. Its last content stays on the page, marked as the last.
-        heard_at: time of the last message from any view or joystick, from `time.monotonic` [s]; infinite at first.
+        ended: whether the widget has ended. An ended widget continues to show its last content, marked as the last.
+        heard_at: `time.monotonic` [s] when a view or joystick last sent a message; infinite before the first message.
     """
 
     heard_at: ClassVar[float] = math.inf
@@ -65,7 +65,7 @@ class CellWidget(anywidget.AnyWidget):
         return time.monotonic() - CellWidget.heard_at > 70.0
 
     def end(self) -> None:
-        """Stop updating the widget; its last content stays on the page. Idempotent; main thread only."""
+        """Stop updating the widget, which continues to show its last content. Idempotent; main thread only."""
         self.ended = True
 
     def close(self) -> None:
@@ -83,7 +83,7 @@ class CellWidget(anywidget.AnyWidget):
         Args:
             kind: the message's ``type``.
             buffers: binary parts.
-            fields: the other fields, as JSON.
+            fields: the other fields, which are sent as JSON.
         """
         if self.comm is not None:
             self.send({"type": kind, **fields}, buffers)
@@ -99,7 +99,7 @@ class NodeWidget(CellWidget):
 
         Args:
             name: the node's name.
-            set_up: makes publishers, subscriptions and timers.
+            set_up: a function that makes the node's publishers, subscriptions and timers.
         """
         try:
             self._ros = NodeThread(name)
@@ -109,7 +109,7 @@ class NodeWidget(CellWidget):
             raise
 
     def end(self) -> None:
-        """Destroy the node; the widget's last content stays. Idempotent; main thread only."""
+        """Destroy the node. The widget continues to show its last content. Idempotent; main thread only."""
         if self._ros is not None:
             self._ros.close()
         super().end()

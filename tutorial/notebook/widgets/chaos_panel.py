@@ -1,4 +1,4 @@
-"""A panel of sliders for the faults in a stream of joint states, which its own node publishes."""
+"""A panel whose node publishes joint states, with a slider for each kind of fault in them."""
 
 from typing import Any
 
@@ -14,9 +14,10 @@ LOOK = 0.5  # [s] between updates of the counts
 
 
 class ChaosPanel(VBox):  # type: ignore[misc]
-    """Sets the share of messages that each fault affects. Create it on the main thread while its event loop is running.
+    """Sliders that set the share of messages that each fault affects.
 
-    Its node, ``chaos``, publishes on a separate thread, even while a cell is busy.
+    Create the panel on the main thread while the kernel's event loop is running. Its node, ``chaos``, publishes on a
+    separate thread, even while a cell is busy.
 
     Attributes:
         sliders: the sliders by fault name.

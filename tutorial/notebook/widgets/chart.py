@@ -1,4 +1,4 @@
-"""Plots: two axes with round numbers, the curves, and a legend below them."""
+"""Plots: two axes labelled with round numbers, the curves, and a legend below the plot."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -27,8 +27,8 @@ class Curve(NamedTuple):
     """A curve and its description.
 
     Attributes:
-        points: pairs of x and y, sorted by x. The curve is interrupted where y is not finite.
-        value: a summary of its values, as text.
+        points: pairs of x and y, sorted by x. The curve has a gap wherever y is not finite.
+        value: a summary of the curve's values, as text.
     """
 
     points: Sequence[Point]
@@ -44,7 +44,7 @@ def draw_plot(
         curves: the curves by name.
         x_range: the smallest and the largest x to show.
         labels: the labels of the x and y axes.
-        least: the minimum height of the visible range of y.
+        least: the minimum size of the visible range of y.
         more: the number of curves that are not drawn.
     """
     heights = [y for curve in curves.values() for _, y in curve.points if math.isfinite(y)]
@@ -77,7 +77,7 @@ class _Axes(NamedTuple):
         svg.write(root, LEFT - 6, TOP - 14, labels[1], SMALL, "end")
 
     def draw_curve(self, root: Element, points: Sequence[Point], colour: str) -> None:
-        """Draw each uninterrupted piece of a curve; draw a single point as a dot."""
+        """Draw the pieces of a curve between its gaps; draw a piece that is a single point as a dot."""
         pieces = [[*piece] for is_finite, piece in groupby(points, lambda point: math.isfinite(point[1])) if is_finite]
         for piece in pieces[-MOST_PIECES:]:
             places = [self._place(point) for point in thin(piece, max(2, POINTS_DRAWN // len(pieces)))]
@@ -115,7 +115,7 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
 
 
 def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
-    """Write the curves' names below the plot, with their values as tooltips."""
+    """Write the curves' names below the plot, each with a tooltip that summarises the curve's values."""
     places = (
         (LEFT + i % PER_ROW * (RIGHT - LEFT) / PER_ROW, HEIGHT + i // PER_ROW * ROW) for i in range(MOST_CURVES + 1)
     )

@@ -1,9 +1,9 @@
-"""A widget that sends frames to the views on pages, and the protocol between them.
+"""A widget that sends frames to its views on pages, and the protocol between the widget and its views.
 
-A view sends ``hello`` and receives the ``whole`` content. From then on, it receives every numbered ``frame`` and
-reports the last frame that it has ``seen``. The widget stops sending when a view falls too far behind because its page
-is slow, asleep or closed; once that view reports a frame as seen, it receives the whole content again. A view also
-sends ``here`` once a minute, even without frames.
+A view sends ``hello`` and receives the ``whole`` content. From then on, the view receives every numbered ``frame`` and
+reports the last frame that it has ``seen``. A view falls behind if its page is slow, asleep or closed; when all views
+are too far behind, the widget stops sending frames. Once a view that was too far behind reports a frame as seen, it
+receives the whole content again. A view also sends ``here`` once a minute, even if it receives no frames.
 """
 
 import threading
@@ -29,10 +29,12 @@ class _Words(msgspec.Struct):
 
 
 class FrameWidget(CellWidget):
-    """Sends frames to every view that keeps up. Create it on the main thread while its event loop is running.
+    """Sends frames to every view that keeps up.
+
+    Create the widget on the main thread while the kernel's event loop is running.
 
     Args:
-        title: the title of the content, also for the ``repr``.
+        title: the title of the content, also used in the ``repr``.
 
     Attributes:
         AHEAD: the maximum number of frames that a view may lag behind.
@@ -66,7 +68,7 @@ class FrameWidget(CellWidget):
 
         Args:
             content: the binary content.
-            fields: the other fields, as JSON.
+            fields: the other fields, which are sent as JSON.
         """
         with self._lock:
             self._seen = {view: seen for view, seen in self._seen.items() if self.frame - seen < self.AHEAD}
@@ -89,14 +91,14 @@ class FrameWidget(CellWidget):
                     self._seen.pop(view, None)
 
     def _note(self, view: str, frame: int) -> bool:
-        """Record the last frame that a view has seen; return False if the widget no longer sends it frames."""
+        """Record the last frame that a view has seen; return False if the view had fallen too far behind."""
         with self._lock:
             if view in self._seen:
                 self._seen[view] = frame
             return view in self._seen
 
     def _welcome(self, view: str) -> None:
-        """Send one view the whole content, and regard it as up to date. Main thread only."""
+        """Send one view the whole content, and regard the view as up to date. Main thread only."""
         content, fields = self.whole()
         with self._lock:
             self._seen[view] = self.frame - 1

@@ -1,4 +1,4 @@
-"""Draws a node graph: nodes as ellipses, topics as boxes, arrows from publishers to topics to subscribers."""
+"""Draws a node graph: nodes as ellipses, topics as boxes, with arrows from publishers via topics to subscribers."""
 
 import math
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def picture(topology: Topology) -> tuple[str, str]:
 class _Shape:
     """An ellipse with a node's name or a box with a topic's name, and an optional small note below the name.
 
-    Nodes with the same name share an ellipse, whose note gives their number.
+    Nodes with the same name share an ellipse, whose note gives the number of these nodes.
     """
 
     name: str
@@ -75,7 +75,7 @@ class _Shape:
             svg.write(group, x, y + 12, self.hint, f"fill:{colour};font-size:11px", "middle")
 
     def edge(self, dy: float) -> float:
-        """Return the horizontal distance from the centre to the border at a height [px]."""
+        """Return half the shape's width at a given vertical distance from its centre [px]."""
         return self.width / 2 * (math.sqrt(1 - (2 * dy / HEIGHT) ** 2) if self.is_node else 1)
 
 
@@ -99,7 +99,7 @@ def _edges(topology: Topology) -> list[Edge]:
 
 
 def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout) -> None:
-    """Draw an arrow between two shapes through the edge's lanes. It starts and ends horizontally."""
+    """Draw an arrow between two shapes through the edge's lanes. The arrow starts and ends horizontally."""
     (x1, y1), (x2, y2) = (layout.places[end] for end in edge)
     sign = 1 if x1 < x2 else -1
     dy = TWIN if sign < 0 else 0.0
@@ -113,7 +113,7 @@ def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layou
 
 
 def _curve(points: Sequence[Place]) -> str:
-    """Return an SVG path through the points; it is horizontal at each point."""
+    """Return an SVG path that passes through the points and is horizontal at each point."""
     parts = [f"M{points[0][0]:.1f},{points[0][1]:.1f}"]
     for (x1, y1), (x2, y2) in pairwise(points):
         middle = (x1 + x2) / 2

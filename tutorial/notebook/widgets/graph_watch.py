@@ -49,7 +49,7 @@ class Topology:
     """A snapshot of the node graph without hidden nodes and topics. All names are escaped by `escape_name`.
 
     Attributes:
-        nodes: the number of nodes by full name, including all publishers and subscribers.
+        nodes: the number of nodes with each full name; includes all nodes that publish to or subscribe to `topics`.
         topics: the topics by name.
         more: the number of nodes and topics that the snapshot omits.
     """
@@ -60,7 +60,7 @@ class Topology:
 
 
 class GraphWatch:
-    """Observes the node graph and counts messages through one node. Use it in that node's callbacks.
+    """Uses a node to observe the node graph and count messages. Call `look` only in that node's callbacks.
 
     Args:
         node: the node that queries the graph and subscribes.
@@ -105,7 +105,7 @@ class GraphWatch:
         return TopicNews(", ".join(map(escape_name, types)), rate, publishers, subscribers)
 
     def _rate(self, topic: str, types: list[str]) -> float | None:
-        """Return the rate of a topic's messages. The first call starts counting."""
+        """Return the rate of a topic's messages. The first call for a topic starts the count."""
         if topic not in self._meters:
             try:
                 (type_name,) = types
@@ -127,7 +127,7 @@ class _RateMeter:
         self._subscription = node.create_subscription(kind, topic, self._on_message, qos, raw=True)
 
     def rate(self) -> float | None:
-        """Return the rate over the last few calls [Hz]; None on the first call."""
+        """Return the average rate between the last few calls [Hz]; None on the first call."""
         self._looks.append((time.monotonic(), self._count))
         (began, before), (now, count) = self._looks[0], self._looks[-1]
         return (count - before) / (now - began) if now > began else None

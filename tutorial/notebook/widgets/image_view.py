@@ -18,18 +18,18 @@ LOOK_EVERY = 0.5  # [s] between checks of the publishers
 
 
 class ImageView(FrameWidget, NodeWidget):
-    """Shows the newest image on a topic. Create it on the main thread while its event loop is running.
+    """Shows the newest image on a topic. Create the view on the main thread while the kernel's event loop is running.
 
     Its node, ``image_view``, subscribes with depth 1. The subscription is reliable if all publishers are; otherwise it
-    is best effort, and the loss of one fragment means the loss of the whole image. A page receives the next image after
-    it has drawn the previous image. A slow page therefore skips images instead of queueing them.
+    is best effort, and the loss of one fragment means the loss of the whole image. A page receives the next image only
+    after it has drawn the previous image. A slow page therefore skips images instead of queueing them.
 
     Args:
         topic: a topic of type ``sensor_msgs/msg/Image``.
 
     Attributes:
-        newest: the visible frame. Its content is the image, row by row from the top without padding. Its fields
-            are ``width`` and ``height`` [px], the ``encoding``, and the ``line`` of text below the image. Without an
+        newest: the visible frame. Its content is the image, row by row from the top without padding. Its fields are
+            ``width`` and ``height`` [px], the ``encoding``, and the ``line`` of text below the image. If there is no
             image, ``line`` is the only field.
 
     Raises:
@@ -56,7 +56,7 @@ class ImageView(FrameWidget, NodeWidget):
         node.create_timer(LOOK_EVERY, lambda: self._look(node))
 
     def _look(self, node: Node) -> None:
-        """Subscribe with the reliability that all publishers offer; subscribe again when it changes."""
+        """Subscribe with the reliability that all publishers offer; subscribe again when this reliability changes."""
         offered = reader_qos(node, self._topic).reliability
         if self._subscription is not None:
             if self._subscription.qos_profile.reliability == offered:

@@ -27,16 +27,17 @@ RESTART = 1.0  # [s]; a stamp that jumps back further means that the publisher r
 
 
 class _Sample(NamedTuple):
-    """The positions in one message and its stamp [s]. Joint names are escaped by `escape_name`."""
+    """The positions in one message, and the message's stamp [s]. Joint names are escaped by `escape_name`."""
 
     time: float
     positions: dict[str, float]
 
 
 class JointPlot(LivePicture):
-    """Plots joint positions against the messages' stamps. Create it on the main thread while its event loop is running.
+    """Plots joint positions against the messages' stamps.
 
-    Its node, ``joint_plot``, receives the messages. The plot is redrawn at most ten times a second.
+    Create the plot on the main thread while the kernel's event loop is running. Its node, ``joint_plot``, receives the
+    messages. The plot is redrawn at most ten times a second.
 
     Args:
         topic: a topic of type ``sensor_msgs/msg/JointState``.
@@ -77,7 +78,7 @@ class JointPlot(LivePicture):
 
 
 def _add(samples: deque[_Sample], message: JointState) -> None:
-    """Store a message's positions. Drop the earlier samples if its stamp shows that the publisher restarted."""
+    """Store a message's positions. If the message's stamp shows that the publisher restarted, drop earlier samples."""
     stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
     if samples and stamp < samples[-1].time - RESTART:
         samples.clear()

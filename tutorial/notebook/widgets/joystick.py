@@ -1,4 +1,4 @@
-"""A joystick in a cell: two sticks, moved by mouse, touch, keys or a gamepad, and published as `sensor_msgs/Joy`."""
+"""A joystick in a cell: two sticks that are moved by mouse, touch, keys or gamepad and publish `sensor_msgs/Joy`."""
 
 import math
 import threading
@@ -27,10 +27,10 @@ class _Sticks(Struct, tag="sticks"):
 class Joystick(NodeWidget):
     """Shows two sticks in a cell. Its node, ``joystick``, publishes their positions on ``joy`` at 50 Hz.
 
-    It publishes from the node's thread, so it can drive the tank even while a cell is busy. The values follow the ROS 2
-    joy package's ``game_controller_node``: left and forward are +1. If the page stops sending while a stick is held,
-    the sticks are treated as released. Once the page has been gone for a minute, nothing is published, as with an
-    unplugged joystick.
+    The joystick publishes from the node's thread, so it can drive the tank even while a cell is busy. The axes have the
+    same signs as those of ``game_controller_node`` in the ROS 2 package joy: left and forward are +1. If the page stops
+    sending while a stick is held, the sticks are treated as released. Once the page has been gone for a minute, the
+    joystick stops publishing, as if it had been unplugged.
     """
 
     _esm = read_static("make.js", "cell.js", "joystick.js")
@@ -46,7 +46,7 @@ class Joystick(NodeWidget):
 
     @property
     def axes(self) -> tuple[float, ...]:
-        """The six axes, each from -1 to 1: left stick left and up, right stick left and up, the two triggers."""
+        """The six axes, each from -1 to 1: left/up of the left stick, left/up of the right stick, the two triggers."""
         return self._now().axes
 
     def end(self) -> None:
@@ -80,7 +80,7 @@ class Joystick(NodeWidget):
             self._publish()
 
     def _publish(self) -> None:
-        """Publish the state of the sticks. Runs on the node's thread; only the last call is on the main thread."""
+        """Publish the state of the sticks. Runs on the node's thread, except for the last call, which `end` makes."""
         with self._publishing:  # so that the neutral message is the last one
             held = self._now()
             self._publisher.publish(joy_message(self._node, held.axes, held.buttons))

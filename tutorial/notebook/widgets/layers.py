@@ -24,7 +24,7 @@ class Layout:
 
     Attributes:
         places: the centre of each vertex.
-        lanes: for each edge, the points where it enters and leaves each layer that it passes, in its direction.
+        lanes: for each edge, the points where it enters and leaves each layer that it crosses, from start to end.
         size: the width and height of the layout, provided that no shape is taller than a row.
     """
 
@@ -38,7 +38,7 @@ def lay_out(widths: Mapping[Vertex, float], edges: Sequence[Edge]) -> Layout:
 
     Args:
         widths: the width of each vertex [px].
-        edges: pairs of different vertices, from start to end.
+        edges: pairs of different vertices, the start and the end of each edge.
     """
     layer = _layers(widths, edges)
     chains = {}
@@ -58,7 +58,7 @@ def lay_out(widths: Mapping[Vertex, float], edges: Sequence[Edge]) -> Layout:
 
 
 def _layers(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> dict[Vertex, int]:
-    """Return each vertex's layer: right of all predecessors or, if it has none, just left of the first successor."""
+    """Return each vertex's layer: right of its predecessors or, if it has none, just left of its first successor."""
     rank = {vertex: i for i, vertex in enumerate(_ordered(vertices, edges))}
     forward = [(a, b) if rank[a] < rank[b] else (b, a) for a, b in edges]
     before, after = _neighbours((b, a) for a, b in forward), _neighbours(forward)
@@ -91,7 +91,7 @@ def _ordered(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> list[Vertex]:
 
 
 def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex, float]:
-    """Return each vertex's y. Layers are centred; the vertices in a layer are sorted by the mean y of predecessors."""
+    """Return each vertex's y. Centre each layer, and sort its vertices by the mean y of their predecessors."""
     before = _neighbours((b, a) if layer[a] < layer[b] else (a, b) for a, b in links)
     columns = defaultdict(list)
     for vertex, number in layer.items():
@@ -105,7 +105,7 @@ def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex,
 
 
 def _spans(layer: Mapping[Vertex, int], widths: Mapping[Vertex, float]) -> list[Place]:
-    """Return the left and right x of each layer."""
+    """Return the x of each layer's left and right borders."""
     spans, left = [], 0.0
     for number in range(max(layer.values(), default=-1) + 1):
         right = left + max(widths.get(vertex, 0.0) for vertex, other in layer.items() if other == number)

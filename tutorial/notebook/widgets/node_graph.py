@@ -17,9 +17,9 @@ BREATH = 10  # the pause before the next query, as a multiple of the last query'
 class NodeGraph(LivePicture):
     """Draws nodes, topics, publishers and subscribers twice a second.
 
-    Create it on the main thread while its event loop is running. It hides nodes whose names begin with an underscore,
-    such as its own, and the topics that every node has. To measure rates, it subscribes to the topics, so ``ros2
-    topic info`` counts these subscriptions.
+    Create the picture on the main thread while the kernel's event loop is running. The picture omits nodes whose names
+    begin with an underscore, such as its own, and the topics that every node has. To measure rates, the picture's node
+    subscribes to the topics, so ``ros2 topic info`` counts these subscriptions.
 
     Raises:
         TutorialError: no event loop is running.

@@ -41,7 +41,9 @@ class Picture(CellWidget):
 
 
 class LivePicture(Picture, NodeWidget):
-    """A picture that the callbacks of its node update. Create it on the main thread while its event loop is running.
+    """A picture that its node's callbacks update.
+
+    Create the picture on the main thread while the kernel's event loop is running.
 
     Args:
         name: the picture's subject, for the ``repr``.

@@ -1,4 +1,4 @@
-"""The 3D view in a cell: a scene, shown by meshcat's viewer over the notebook's connection."""
+"""The 3D view in a cell: meshcat's viewer, which receives a scene through the notebook's connection to its kernel."""
 
 from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import VIEW, read_static, zipped_viewer
@@ -8,8 +8,8 @@ from tutorial.view.scene import Scene
 class SceneView(FrameWidget):
     """Shows a scene in any number of cells, on every page that has the notebook open.
 
-    Create it in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene when
-    that thread is free; a page that already shows the scene immediately receives the changes that a busy cell flushes.
+    Create the view in a cell, on the scene's thread, which is the main thread. A newly opened page receives the scene
+    when that thread is free; a page that already shows the scene receives changes as soon as a busy cell flushes them.
 
     Args:
         scene: the scene to show.
@@ -33,7 +33,7 @@ class SceneView(FrameWidget):
         self.on_msg(self._on_request)
 
     def whole(self) -> Frame:
-        """Return the scene, and follow it from now on."""
+        """Return the scene, and follow its changes from now on."""
         content = self.scene.snapshot()
         if not self.ended:
             self.scene.attach(self._show)

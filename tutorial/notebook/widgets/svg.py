@@ -1,4 +1,4 @@
-"""SVG pictures in the colours of JupyterLab's theme, built from XML elements, which escape every name in them."""
+"""SVG pictures in the colours of JupyterLab's theme, built from XML elements so that every name in them is escaped."""
 
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
@@ -50,10 +50,10 @@ def draw(parent: Element, tag: str, style: str = "", **attributes: float | str) 
     """Add a shape.
 
     Args:
-        parent: the element to add it to.
+        parent: the element to add the shape to.
         tag: the element's tag, such as ``"line"``.
         style: CSS. Specify colours here, because attributes cannot contain CSS variables.
-        attributes: the element's attributes. Numbers are in px, and ``_`` becomes ``-``.
+        attributes: the element's attributes. Numbers are in px, and ``_`` in a name becomes ``-``.
     """
     texts = {name.replace("_", "-"): _number(a) if not isinstance(a, str) else a for name, a in attributes.items()}
     element = SubElement(parent, tag, texts)
@@ -66,7 +66,7 @@ def write(parent: Element, x: float, y: float, text: str, style: str = f"fill:{I
     """Add a line of text.
 
     Args:
-        parent: the element to add it to.
+        parent: the element to add the line to.
         x: position of the text's start, middle or end [px].
         y: position of the baseline [px].
         text: the text; it can contain any characters.
@@ -84,7 +84,7 @@ def points_text(points: Iterable[tuple[float, float]]) -> str:
 
 
 def shorten(text: str, length: int) -> str:
-    """Replace the middle of a string with an ellipsis if it has more than `length` characters."""
+    """Replace the middle of a string that has more than `length` characters with an ellipsis."""
     if len(text) <= length:
         return text
     end = (length - 1) // 2

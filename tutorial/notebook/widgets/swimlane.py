@@ -17,7 +17,7 @@ RADIUS = 4  # [px] radius of a dot
 
 
 def swimlane(program: Program, count: int = 8) -> Picture:
-    """Draw when a program's last messages were received, posted and applied, with a lane for each thread.
+    """Show when a program's last messages were received, posted and applied, with a lane for each thread.
 
     Args:
         program: the program.
@@ -44,7 +44,7 @@ def swimlane(program: Program, count: int = 8) -> Picture:
 
 
 class _Lanes:
-    """The coordinates: time from left to right, a lane for each thread, and the threads that apply calls at the bottom.
+    """The coordinates: time runs to the right, and each thread has a lane. Threads that apply calls are at the bottom.
 
     Attributes:
         names: the threads' names.
@@ -93,7 +93,7 @@ def _draw_callback(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
 
 
 def _draw_call(root: Element, lanes: _Lanes, handoff: Handoff) -> None:
-    """Draw a posted call's path to where it was applied, or half the path and a cross if a newer call superseded it."""
+    """Draw a line from where a call was posted to where it was applied, or to a cross if a newer call superseded it."""
     if handoff.posted is None:
         return
     start = lanes.place(handoff.posted)
@@ -127,5 +127,5 @@ def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str
 
 
 def _ms(seconds: float) -> str:
-    """Format a time with at most three digits."""
+    """Format a duration with at most three significant digits."""
     return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{seconds * 1e3:.3g} ms"
