@@ -1,29 +1,29 @@
 """The exercise `pair`: match two messages from the same moment.
 
-Write the class `Pairs`. It pairs messages of two topics that have the same stamp. The viewer passes each
-message to the method `add(stream, message)` on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages
-with the same stamp have arrived, `add` returns them as `joints, pose`. Otherwise it returns `None`.
+Write the class `Pairs`. It pairs messages of two topics that have the same stamp. The viewer passes each message to the
+method `add(stream, message)` on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages with the same
+stamp have arrived, `add` returns them as `joints, pose`. Until then, it returns `None`.
 
 - Either message can arrive first, and one topic can be ahead of the other. Each topic's messages arrive in the order of
   their stamps.
 - When a pair is complete, drop all messages that arrived before the pair's first message: their partners would be too
   late. Messages that arrived later can still form pairs.
-- At most 50 messages may wait. Count them per topic or in total, as you like. If there are more, drop the message that
+- At most 50 messages may wait. You may count them per topic or in total. If more are waiting, drop the one that
   *arrived* first.
-- After the publisher restarts, its stamps start at 0 again. Pair these messages immediately, too.
+- After the publisher restarts, its stamps start at 0 again. Pair the publisher's new messages immediately.
 
 Hint 1: When a message arrives, you have to find the other topic's message with the same stamp. What do you have to
 store, and under which key, to find that message directly?
 
-Hint 2: Use a dict that maps each stamp to its messages by stream. A dict keeps its keys in insertion order, so the
-first key has waited longest. Drop keys from the beginning: up to the stamp of a complete pair, or one key if more than
-50 wait.
+Hint 2: Use a dict that maps each stamp to an inner dict, which maps each stream to its message. A dict keeps its keys
+in insertion order, so the first key has waited longest. Delete keys from the beginning: all keys up to the stamp of a
+complete pair, or one key if more than 50 are waiting.
 
-Hint 3: The stamp is message.header.stamp.sec, message.header.stamp.nanosec. together is
-self.waiting.setdefault(stamp, {}), and together[stream] becomes the message. If together has two, delete
-next(iter(self.waiting)) while the stamp is in self.waiting, and return both.
+Hint 3: stamp = message.header.stamp.sec, message.header.stamp.nanosec; together = self.waiting.setdefault(stamp, {});
+together[stream] = message. If together now holds two messages, keep deleting the key next(iter(self.waiting)) while
+stamp is in self.waiting, then return the two messages.
 
-Notice that the order of arrival is enough to know which messages to drop, even after a restart.
+Notice that the order of arrival is enough to decide which messages to drop, even after a restart.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -40,7 +40,7 @@ from tutorial.checks.exercise import Exercise
 
 
 class Pairs:
-    """Pair the joint states and the pose with the same stamp."""
+    """Pair joint states and poses that have the same stamp."""
 
     def __init__(self) -> None:
         self.waiting: dict[tuple[int, int], dict[str, Any]] = {}
@@ -101,7 +101,7 @@ def poses(*stamps: int) -> list[Arrival]:
 
 
 def in_turn(*stamps: int) -> list[Arrival]:
-    """Return the arrivals of joint states and a pose, alternately, for each of these stamps [ms]."""
+    """Return an arrival of joint states, then one of a pose, for each of these stamps [ms]."""
     return [arrival for stamp in stamps for arrival in (*joints(stamp), *poses(stamp))]
 
 
@@ -115,7 +115,7 @@ def message_of(stream: str, stamp: int) -> Any:
 def add(
     trial: Trial, pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]
 ) -> list[Arrival] | None:
-    """Add a message, and return the arrivals of the answer's pair; None if it returned no pair.
+    """Add a message, and return the arrivals of the pair that the answer returned, or None if it returned no pair.
 
     Raises:
         Failure: the answer raised an exception, or returned neither None nor a pair with this message.
@@ -203,14 +203,14 @@ CASES = [
 
 
 def describe(returned: Sequence[Any]) -> str:
-    """List the pairs' stamps; if there are many stamps, only the first and the last."""
+    """List the pairs' stamps, or only the first and the last if there are more than four pairs."""
     pairs = [_name(*pair) for pair in returned if pair]
     count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 4 else f"{pairs[0]} to {pairs[-1]}"
     return f"{count} pair{'s' * (count != 1)}: {shown}" if pairs else "no pair"
 
 
 def _name(one: Arrival, other: Arrival) -> str:
-    """Name a pair by its stamp, or a wrong pair by both streams and stamps."""
+    """Describe a pair by its stamp, and a wrong pair by the streams and stamps of both messages."""
     if (one[0], other[0]) == (JOINTS, POSE) and one[1] == other[1]:
         return _time(one[1])
     return " with ".join(f"{stream} of {_time(stamp)}" for stream, stamp in (one, other))

@@ -21,7 +21,7 @@ LARGEST = 2**20  # [bytes], a thousand times the usual size
 
 
 class _File(msgspec.Struct):
-    """The content of the file: the day when each exercise was solved. Values of other types stay unchanged."""
+    """The content of the file: the day when each exercise was solved. A value that is not a date stays unchanged."""
 
     solved: dict[str, Any]
 
@@ -32,7 +32,8 @@ UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)  # reading a broken
 def remember(exercise: str) -> None:
     """Record that an exercise is solved, if this process is a notebook's kernel. A recorded date never changes.
 
-    If the file cannot be read or written, nothing is recorded and the file stays unchanged: the check still succeeds.
+    If the file cannot be read or written, nothing is recorded and the file stays unchanged, but the check still
+    succeeds.
 
     Args:
         exercise: the exercise's name.
@@ -52,7 +53,8 @@ def read_progress(folder: Path | None = None) -> tuple[dict[str, Any], str]:
         folder: the notebooks' folder; None for the current directory.
 
     Returns:
-        The day when each exercise was solved, by name, and an error message, which is empty if the file is valid.
+        A dict from each solved exercise's name to the day when it was solved, and an error message, which is empty if
+        the file is valid.
     """
     path = _file(Path()) if folder is None else folder / FILE
     try:
@@ -136,7 +138,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _write(path: Path, solved: dict[str, Any]) -> None:
-    """Replace the file atomically, in case another notebook writes it or the machine crashes."""
+    """Replace the file atomically, in case another notebook writes it at the same time, or the machine crashes."""
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=FILE, delete=False) as file:
         file.write(msgspec.json.format(msgspec.json.encode(_File(solved))) + b"\n")
     try:

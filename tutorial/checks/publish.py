@@ -1,31 +1,32 @@
 """The exercise `publish`: publish joint states at a different rate.
 
-Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body. For the body `Tank`
-that is `Tank/turret`, without a leading slash, so the topic is in the node's namespace.
+Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body. For the body
+`Tank`, the topic is `Tank/turret`, without a leading slash, so that it is in the node's namespace.
 
 - It publishes 25 times per simulated second: one message every `round(1 / (25 * io.time_step))` steps. You may also
   publish at the steps nearest to the multiples of 1/25 s, so that the rate is exact on average. Publish the first
-  message within 1/25 s after the start.
+  message within 1/25 s of the start.
 - It publishes even if nothing has changed.
 - Each message lists all joints of the body in the order of `io.body.joints`, with position, velocity and effort.
 - The stamp is the simulated time of publication.
 - It works for any body and any time step up to 10 ms.
-- The simulation can be stopped and restarted. Then `initialize` is called again, but `io.step` and `io.time_ns`
-  don't restart at 0.
-- In `unconfigure`, when the controller leaves the body, have the node destroy the publisher.
+- If the simulation is stopped and restarted, `initialize` is called again, but `io.step` and `io.time_ns` don't restart
+  at 0.
+- In `unconfigure`, have the node destroy the publisher.
 
-Hint 1: Where does each value come from? The topic from config.body.name, the joints from io.body.joints, the rate from
-io.step and io.time_step, the stamp from io.time_ns. You need no wall clock, and no hard-coded joint names.
+Hint 1: Where does each value come from? Get the topic from config.body.name, the joints from io.body.joints, the rate
+from io.step and io.time_step, and the stamp from io.time_ns. You need no wall clock, and no hard-coded joint names.
 
 Hint 2: Create the publisher in configure. In initialize, store io, and compute the number of steps from one message to
-the next. In control, when a message is due, create one, fill a list for each field from the same joints, stamp it and
+the next. In control, when a message is due, create it, fill each of its lists from the same joints, set its stamp and
 publish it. In unconfigure, have the node destroy the publisher.
 
 Hint 3: self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step % self.steps_per_message == 0;
 message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for joint in
 self.joints], and so on; self.node.destroy_publisher(self.publisher).
 
-Notice that neither the rate nor the stamp uses the wall clock: a slow simulation publishes the same messages.
+Notice that neither the rate nor the stamp depends on the wall clock: even if the simulation runs slowly, it publishes
+the same messages.
 """
 
 from functools import partial
@@ -86,7 +87,7 @@ UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 
 def moving(trial: Trial, speed: int = 1, **options: Any) -> Rig:
-    """Make a rig whose joints all move differently, so that no two numbers are equal; with ``speed`` 0, they rest."""
+    """Make a rig whose joints all move differently, so that all numbers differ, or rest if ``speed`` is 0."""
 
     def move() -> None:
         data = rig.body.data

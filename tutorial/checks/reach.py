@@ -16,18 +16,18 @@ already spinning.
 - A screen that starts late gets the robot's newest message, even if no screen was running before, and however old
   the message is.
 
-Hint 1: Look at both connections separately. In each connection, one side offers and the other side asks. What is the
-most that the relay can ask of the robot, and the least that it has to offer the screen?
+Hint 1: Look at the two connections separately. In each connection, the publisher offers a QoS and the subscription asks
+for one. What is the most that the relay can ask of the robot, and the least that it has to offer the screen?
 
 Hint 2: The subscription asks for no more than the robot offers: give it the robot's own profile. The publisher offers
-all that the screen asks for: a QoSProfile with a depth of 1, whose reliability is RELIABLE by default, and whose
+everything that the screen asks for: a QoSProfile with a depth of 1, whose reliability is RELIABLE by default, and whose
 durability you set. The callback publishes the message that it gets.
 
 Hint 3: kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL). In __init__, self.publisher =
 node.create_publisher(JointState, "/wall/joint_state", kept), and then self.subscription =
 node.create_subscription(JointState, "/robot/joint_state", self.on_joint_state, qos_profile_sensor_data).
 
-Notice that a relay that asks for little and offers much can connect almost any two programs.
+Notice that a relay can connect almost any two programs if it asks for little and offers a lot.
 """
 
 from contextlib import suppress
@@ -111,7 +111,7 @@ def described(kind: type, qos: QoSProfile) -> Endpoint:
 class Wiring:
     """The robot and the screen, with the answer's relay between them.
 
-    Messages get through even where DDS would make no connection, so that each case observes only one thing.
+    Messages get through even if DDS would not connect the two sides, so that each case observes only one thing.
 
     Attributes:
         node: the relay's node.
@@ -135,7 +135,7 @@ class Wiring:
             self._trial.call(each.callback, message)
 
     def check_elsewhere(self) -> None:
-        """Check that nothing is published outside of the callback, by a timer or a thread.
+        """Check that only the callback publishes, not a timer or a thread.
 
         Raises:
             Misuse: a timer publishes, or a thread is running.
@@ -151,7 +151,7 @@ class Wiring:
 
     @property
     def shown(self) -> list[JointState]:
-        """The messages that the screen has received; if there are no such messages, those on other topics."""
+        """The messages that the screen has received; if it has received none, the messages on other topics."""
         on_wall = [message for topic, message in self._published if topic == WALL]
         return on_wall or [message for _, message in self._published]
 
@@ -215,7 +215,7 @@ def message_of(angle: float) -> JointState:
 
 
 def shown(*angles: float, relays: int = 1, screens: int = 1) -> Run:
-    """Observe what the screen shows of some messages: each message's number, and whether the message has changed."""
+    """Observe the messages that the screen shows: each message's angle, and whether the message has changed."""
 
     def run(trial: Trial) -> list[str]:
         wirings = [Wiring(trial, screens=screens) for _ in range(relays)]
@@ -232,7 +232,7 @@ def shown(*angles: float, relays: int = 1, screens: int = 1) -> Run:
 
 
 def at_once(trial: Trial) -> str:
-    """Observe what the screen shows of a message that arrives before `Relay(node)` has returned."""
+    """Observe what the screen shows if a message arrives before `Relay(node)` has returned."""
     return ", ".join(str(each.position.tolist()) for each in Wiring(trial, HastyNode).shown)
 
 

@@ -2,21 +2,21 @@
 
 Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
-- `write` runs on the recorder's thread. It takes entries from the queue one by one, each a time [ns] and a payload,
-  and writes each immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes an
-  entry even if an earlier entry had the same payload or time: a repeated message is still a message.
+- `write` runs on the recorder's thread. It takes entries, each a time [ns] and a payload, from the queue one by one,
+  and writes each entry immediately and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. It writes
+  an entry even if an earlier entry had the same payload or time: a repeated message is still a message.
   `self.received.get()` waits for an entry. `None` ends the thread.
 - `unconfigure` stops everything that `configure` has started. When it returns, the bag contains every received message.
   Nothing may write to the bag after `self.bag.close()`. `self.writer.join()` waits until the thread has ended.
 - You may also extend `configure`. If you do, call `super().configure(config)` in it. This call starts the thread, so
   first set everything that `write` needs.
 
-Hint 1: Go through unconfigure line by line. After each line: can a message still arrive, is a message still waiting in
-the queue, can the thread still write?
+Hint 1: Go through unconfigure line by line. After each line, ask: can a message still arrive, can one still be waiting
+in the queue, and can the thread still write?
 
-Hint 2: First stop listening, so that no more messages arrive. Then put a last entry into the queue, which ends the
-thread; wait until the thread has ended, and only then close the bag. In write, a loop takes one entry after another
-until it gets None.
+Hint 2: First stop listening, so that no more messages arrive. Then put a last entry into the queue to end the thread;
+wait until the thread has ended, and only then close the bag. In write, a loop takes one entry after another until it
+gets None.
 
 Hint 3: while received := self.received.get(): self.bag.write(self.connection, *received). And unconfigure has four
 lines: self.node.destroy_subscription(self.subscription), self.received.put(None), self.writer.join() and
@@ -101,11 +101,11 @@ OFTEN = 100  # the limit on consecutive calls to empty()
 class Surroundings:
     """A recorder's queue, node, thread and bag. The disk takes a second to write the first message.
 
-    The thread pauses during that write, or when the queue is empty, until some code waits for the thread to end.
+    During that write, or when the queue is empty, the thread pauses until some code waits for it to end.
 
     Args:
         trial: the trial of the learner's recorder.
-        waiting: the entries in the queue.
+        waiting: the entries that are in the queue from the start.
         coming: entries that arrive one by one while the queue is empty; the rest arrive when the recorder stops
             listening.
     """
@@ -169,7 +169,7 @@ class Surroundings:
         self.begun.put(None)
 
     def rest(self) -> None:
-        """Pause the thread, but only once, until something waits for it to end."""
+        """Pause the thread until something waits for it to end, but only the first time."""
         if self.rests:
             self.begun.put(None)
             self.turn.get()
@@ -208,7 +208,7 @@ class Surroundings:
         self.listens = subscription is not self.recorder.subscription
 
     def join(self, timeout: float | None = None) -> None:
-        """Wait for the thread to end, which takes a second."""
+        """Wait for the thread, which takes a second to end."""
         self.hurries = not self.hurries and timeout is not None and timeout <= 1.0
         if not self.hurries:
             self.end()
@@ -244,7 +244,7 @@ def _calls_configure(function: Any) -> bool:
 
 
 def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
-    """Make a case that observes the written entries, and what a recorder leaves behind after `unconfigure`.
+    """Make a case that observes the written entries, and what is still running or open after `unconfigure`.
 
     If `coming` contains None, which ends the thread, `unconfigure` is not called.
 

@@ -1,28 +1,29 @@
 """The exercise `show`: show joint states on a displayed body. `keep_up` has the same requirements and one more.
 
-Write the controller `MyViewer`. It subscribes to the topic `joint_state` of its body, which for the body `Tank` is
-`Tank/joint_state` (type `JointState`), and shows the received states on the displayed body. The node has no
-namespace, so a leading slash makes no difference.
+Write the controller `MyViewer`. It subscribes to its body's topic `joint_state` (for the tank, `Tank/joint_state`; type
+`JointState`), and shows the received states on the displayed body. The node has no namespace, so a leading slash makes
+no difference.
 
 - The displayed body belongs to the main thread. The callback only posts a call (`config.call_later`) and returns.
 - The posted call matches joints by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and
-  notifies (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
+  calls `notify_change`. Match joints with your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
 - Show every message, even a repeated one, and even if its stamp is smaller after a restart of the publisher. You may
   drop a message that is merely late, as `JointMatcher` does.
-- It works on any body. In `unconfigure`, when the controller leaves the body, have the node destroy the subscription.
+- `MyViewer` works on any body. In `unconfigure`, have the node destroy the subscription.
 
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
 thread: code that moves the body must run there.
 
-Hint 2: In configure, store config.body, config.node and config.call_later. Subscribe last, to a topic made from the
-body's name: the callback can run immediately. The callback has one line, which posts a method, with the message as its
-argument. That method matches, sets the positions, computes the kinematics and notifies, in this order.
+Hint 2: In configure, store config.body, config.node and config.call_later. Subscribe last, because the callback can run
+immediately, and make the topic from the body's name. The callback has one line, which posts a call of another method,
+with the message as its argument. That method matches the joints, sets the positions, computes the kinematics and calls
+notify_change, in this order.
 
-Hint 3: The callback is self.call_later(self.update, message), without parentheses after update. In update: positions,
-report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and
+Hint 3: In the callback, call self.call_later(self.update, message), without parentheses after update. In update:
+positions, report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and
 notify_change. In unconfigure: self.node.destroy_subscription(self.subscription).
 
-Notice that the topic's name and the joints come from the body, so the same code shows a crane.
+Notice that the topic's name and the joints come from the body, so the same code can also show a crane.
 """
 
 from collections.abc import Sequence
@@ -108,7 +109,7 @@ def its_own(viewer: Viewer) -> None:
 
 
 def repeated(viewer: Viewer) -> str:
-    """Observe the effect of a message that is identical to the previous one, as from a robot at rest."""
+    """Observe the effect of a message that repeats the previous one, as the messages of a robot at rest do."""
     for _ in range(2):
         viewer.shown.clear()
         heard(joint_state("Y P", (0.1, 0.2)))(viewer)

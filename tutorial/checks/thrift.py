@@ -1,29 +1,29 @@
 """The exercise `thrift`: publish only the joints that have moved.
 
-Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body (for the
-tank `Tank/joint_state`), but only the changes:
+Write the controller `ThriftyPublisher`. It publishes a `JointState` on its body's topic `joint_state` (for the tank,
+`Tank/joint_state`), but only if joints have moved:
 
 - 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those
   that it last sent. Do this every `round(1 / (50 * io.time_step))` steps, or at the steps nearest to the multiples
   of 1/50 s.
-- The message contains only these joints, with their positions. If no joints have moved, it sends nothing.
+- The message contains only these joints, with their positions. If no joints have moved, no message is sent.
 - The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
   `initialize` is called again, but `io.step` and `io.time_ns` don't restart at 0.
 - The stamp is the simulated time of publication. Velocity and effort stay empty.
-- In `unconfigure`, when the controller leaves the body, have the node destroy the publisher.
+- In `unconfigure`, have the node destroy the publisher.
 
-Hint 1: What do you compare each position with? With the position that you last sent for this joint, perhaps long ago;
-not with its position 20 ms ago. Compare each joint separately.
+Hint 1: What do you have to compare each position with? Use the position that you last sent for the same joint, perhaps
+long ago, and not the joint's position 20 ms ago. Compare each joint separately.
 
-Hint 2: Keep a dict from each joint's name to the position that you last sent for this joint. The dict is empty at
-first, so all joints are new. In each step in which a message is due, collect the joints that have moved. If there are
-any, send them, and store the sent positions in the dict.
+Hint 2: Keep a dict that maps each joint's name to the position that you last sent for it. At first, the dict is empty,
+so you send all joints. In each step in which a message is due, collect the joints that have moved. If any joints have
+moved, send their positions, and store these positions in the dict.
 
-Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
-0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then
+Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) > 0.001}.
+If news is not empty: message.name = list(news), message.position = list(news.values()), publish, then
 self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publisher).
 
-Notice that receivers have to match these messages by name: the viewer of step 3 can show them unchanged.
+Notice that a receiver of these messages has to match joints by name. The viewer of step 3 does, so it needs no changes.
 """
 
 from collections.abc import Sequence
@@ -128,7 +128,7 @@ SLEW: Move = (0.0, 0.05, 0.0)
 
 
 def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
-    """Make a rig whose joints jump once per period, from the second period on; if `moves` is empty, in every step."""
+    """Make a rig whose joints jump once per period, from the second period on, or in every step if `moves` is empty."""
 
     def move() -> None:
         look, rest = divmod(rig.io.step, round(LOOK / rig.io.time_step))

@@ -3,13 +3,13 @@
 Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called once per step, with the newest message
 and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.
 
-- A message arrives in the call that passes a different object than the previous call (`is not`), even if its axes have
-  the same values: a joystick repeats the axes while its sticks are held still. In the first call, the message is new.
+- A message is new if it is not the same object as in the previous call (`is not`), even if its axes have the same
+  values: a joystick repeats the axes while its sticks are held still. In the first call, the message is new.
 - Measure time only with `seconds`. A step can have any length, the message's stamp can be empty, and the computer's
   clock does not show simulated time.
-- A new message is fresh again, even after a stale message.
+- A new message is fresh, even after a stale message.
 
-Hint 1: A call gives you the message and the time. What do you have to store in earlier calls, to see whether the
+Hint 1: Each call gives you a message and the time. What do you have to store in earlier calls to know whether the
 message is new, and how old it is?
 
 Hint 2: Keep the newest message, and the time of its arrival. Compare the messages with `is not`, because `!=` compares
@@ -78,11 +78,11 @@ TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
 def tried(calls: str, objects: int = 1) -> Run:
-    """Observe the results of calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
+    """Observe the results of calls: ``"A 0, A 0.5"`` passes the message A at 0 s and again at 0.5 s.
 
     Args:
-        calls: each letter is one message. ``a`` equals ``A``, but is a different object. ``C`` has a stamp of 6 s, and
-            no axes. ``N`` is a new message in each call, which nothing else refers to.
+        calls: each letter stands for a message. ``a`` equals ``A``, but is a different object. ``C`` has no axes, and
+            a stamp of 6 s. ``N`` is a new message in each call, and nothing else refers to it.
         objects: the number of objects that are called in turn.
     """
 

@@ -1,21 +1,21 @@
 """The exercise `where`: transform a point from frame to frame.
 
-Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m] in the outermost frame, as a
+Write the function `where_is(transforms, point)`. It returns x, y and z [m] of the point in the outermost frame, as a
 list, a tuple or an array of three numbers. The error must be at most 0.1 mm, so don't round.
 
 - `transforms` is a list of `TransformStamped`, from the outermost to the innermost: the parent of the first one is the
   outermost frame, and the child of each is the parent of the next.
-- `point` is x, y and z in the child of the last transform: a tuple, a list or an array, of ints or floats. If the list
-  is empty, return the point unchanged.
+- `point` is x, y and z in the child frame of the last transform: a tuple, a list or an array, of ints or floats. If
+  `transforms` is empty, return the point unchanged.
 - It works with any number of transforms and any rotation. Don't change the list, the messages or the point.
 
 Hint 1: Which frame is the point in? Only the last transform applies to that frame. Where is the point after this
 transform, and which frame is it in then?
 
-Hint 2: Go through the transforms from the last to the first. Each one turns the point by its rotation, with turned,
-then adds its translation. Pass the result to the previous transform in the list.
+Hint 2: Go through the transforms from the last to the first. For each one, turn the point by its rotation, with the
+function turned, then add its translation. Apply the previous transform in the list to the result.
 
-Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
+Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation; point =
 turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). After the loop, return the point.
 
 Notice that your function goes from frame to frame, for any number of frames. tf2 does the same.
@@ -109,12 +109,12 @@ def about(axis: Sequence[float], angle: float) -> Quaternion:
 
 
 def in_order(rotations: Sequence[Quaternion], point: ArrayLike) -> ArrayLike:
-    """Turn a point by the first rotation, then by the next, which is the wrong order."""
+    """Turn a point by all rotations in the wrong order: by the first one first."""
     return reduce(lambda turning, q: turned(q, turning), rotations, point)
 
 
 def messages(chain: Chain) -> Iterator[TransformStamped]:
-    """Make the messages of a chain. The outermost frame is map for a chain of five, and odom for a shorter chain."""
+    """Make the messages of a chain. The outermost frame of five transforms is map; that of a shorter chain is odom."""
     frames = FRAMES if len(chain) == 5 else FRAMES[1:]
     for (xyz, axis, angle), parent, child in zip(chain, frames, frames[1:]):
         stamped = TransformStamped(child_frame_id=child)
@@ -177,7 +177,7 @@ CASES = [
 
 
 def describe(numbers: Sequence[float]) -> str:
-    """Format a position [m] with at most four decimals: different numbers look different, rounded ones look rounded."""
+    """Format a position [m] with at most four decimals, so that differences and rounding are visible."""
     return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 

@@ -25,11 +25,12 @@ BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when a 
 
 
 def query(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
-    """Turn a coroutine function that queries a node and prints the answer into a command's function.
+    """Make a command's function from a coroutine function that queries a node and prints the answer.
 
-    The node is hidden, like the node of ``ros2``. The option ``use_sim_time`` becomes the node's parameter. The exit
-    status follows ``ros2``: 1 after an error, with its text on stderr, and 2 after Ctrl-C. A TutorialError is printed
-    unchanged, because some of these errors reuse the text of a ``ros2`` error, such as "Unknown topic".
+    The node is hidden, like the node of ``ros2``. The option ``use_sim_time`` sets the node's parameter of the same
+    name. The exit status is that of ``ros2``: 1 after an error, whose text is printed to stderr, and 2 after Ctrl-C. A
+    TutorialError is printed unchanged, because some of these errors reuse the text of a ``ros2`` error, such as
+    "Unknown topic".
     """
 
     @click.pass_obj
@@ -55,7 +56,8 @@ def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -
     Args:
         name: the node's name, unless it is remapped.
         ros_args: ROS 2's arguments.
-        use_sim_time: the value of this parameter; if it is true, the node's clock follows ``/clock``.
+        use_sim_time: the value of the node's parameter of the same name; if it is true, the node's clock follows
+            ``/clock``.
 
     Raises:
         TutorialError: a name or an argument is invalid.
@@ -73,7 +75,7 @@ def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -
 def clear_ros_errors() -> Iterator[None]:
     """Convert rclpy's exceptions about names and arguments to errors without a traceback.
 
-    The real rclpy lists no node or topic at all while another program uses a name that it cannot handle.
+    While another program uses a name that the real rclpy cannot handle, rclpy lists no nodes or topics at all.
     """
     from rclpy._rclpy_pybind11 import UnknownROSArgsError
     from rclpy.exceptions import NameValidationException

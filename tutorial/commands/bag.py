@@ -1,4 +1,4 @@
-"""The commands ``tank bag``, which work like ``ros2 bag`` and accept its most common options."""
+"""The ``tank bag`` commands, which work like those of ``ros2 bag`` and accept their most common options."""
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 

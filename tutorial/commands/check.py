@@ -63,11 +63,11 @@ def check(
 ) -> int:
     """Check the answers in NOTEBOOKS, which are files or folders.
 
-    Only the answers and the definitions that they need are run, in a sandbox. The drivers of step 11 get a score
-    instead of a verdict: they race one after another, each for at most 40 s.
+    The command runs only the answers and the definitions that they need, in a sandbox. The drivers of step 11 get a
+    score instead of a verdict: they race one after another, each for at most 40 s.
 
-    The exit status is 1 if any answer is wrong, could not be judged, or is a driver that failed. Exercises that were
-    not tried do not affect it.
+    The exit status is 1 if any answer is wrong or could not be judged, or if any driver failed. Exercises that were not
+    tried do not affect the exit status.
     """
     from tutorial.commands.checking import report
     from tutorial.commands.checking.messages import Outcome

@@ -1,4 +1,4 @@
-"""The tables at the end of the demo, which compare the records of a run's processes."""
+"""The tables that compare the records of a run's processes at the end of the demo."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ def summary(records: Sequence[Mapping[str, Any]]) -> RenderableType:
 
 
 def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Lay out each node's sent and received messages, with their latency from publication to callback."""
+    """Lay out how many messages each node sent and received, and their latency from publication to callback."""
     table = _table("node", "topic", "sent", "received", "shown", "[Hz]", "median", "p99 [ms]")
     table.caption = (
         "median and p99 describe the time from publication to callback. Some of the messages sent may not be received: "

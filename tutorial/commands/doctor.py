@@ -55,7 +55,7 @@ class Diagnosis(NamedTuple):
     Attributes:
         level: ``"ok"``; ``"note"`` if the result may be surprising; ``"problem"`` if something does not work.
         text: what the probe found.
-        fix: the fix, such as a command. Notes and problems have a fix.
+        fix: the fix, such as a command. Only notes and problems have a fix.
     """
 
     level: Literal["ok", "note", "problem"]
@@ -263,7 +263,7 @@ def _rclpy() -> tuple[str, str | None, str]:
 
 
 def _nodes() -> list[str]:
-    """Return the names of the nodes in the graph, without hidden nodes such as this one."""
+    """Return the names of the nodes in the graph, except for hidden nodes, such as this function's own node."""
     from tutorial.ros.node_thread import NodeThread
     from tutorial.ros.topics.graph import wait_for_graph
     from tutorial.ros.topics.listing import node_names

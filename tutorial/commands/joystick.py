@@ -61,7 +61,7 @@ class ScriptedDrive:
 
 
 class Gamepad:
-    """A gamepad, read through SDL's game controller API, which knows the layout of common models (pygame-ce).
+    """A gamepad, read with pygame-ce through SDL's game controller API, which supports the layouts of common models.
 
     Args:
         controller: pygame's controller.
@@ -76,7 +76,7 @@ class Gamepad:
 
     @classmethod
     def find(cls) -> Gamepad | None:
-        """Return the first connected gamepad; None if there is no gamepad, or no pygame."""
+        """Return the first connected gamepad; None if there is no gamepad, or if pygame is not installed."""
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
         os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
         try:
@@ -113,7 +113,7 @@ def publish_joystick(
     stop: threading.Event,
     progress: Callable[[float], object],
 ) -> float:
-    """Publish a joystick on ``joy`` at 50 Hz until the time is up or `stop` is set.
+    """Publish a joystick's state on ``joy`` at 50 Hz until the time is up or `stop` is set.
 
     A scripted drive starts with the first subscription, so that the subscriber receives the whole drive. The last
     message centres the sticks.
@@ -122,9 +122,9 @@ def publish_joystick(
         node: the node to publish with.
         source: the joystick.
         duration: how long to publish [s]; None to publish until `stop` is set.
-        linger: after the duration, continue for at most this time [s] until one of the subscriptions ends. Other
-            subscriptions can remain: a monitoring program does not keep the joystick alive.
-        stop: set it to stop, from any thread.
+        linger: the longest time [s] to keep publishing after the duration. Publishing stops as soon as one of the
+            subscriptions ends, even if others remain: a monitoring program does not keep the joystick running.
+        stop: set it, from any thread, to stop publishing.
         progress: called with the elapsed seconds.
 
     Returns:

@@ -29,7 +29,7 @@ def own_course() -> Path:
 
     Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
     version would overwrite them. Therefore, the notebooks are copied, with all files that they refer to. Existing files
-    in the learner's folder stay unchanged; only missing files are added, such as a later version's new notebook.
+    in the learner's folder stay unchanged; only missing files are added, such as a new notebook of a later version.
 
     Raises:
         TutorialError: the folder cannot be written to, or belongs to another user.
@@ -50,7 +50,7 @@ def own_course() -> Path:
 
 
 def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
-    """Return the command that opens JupyterLab on the first notebook, for this machine only and with little output.
+    """Return the command that opens the first notebook in a local JupyterLab, with little output.
 
     Under JupyterHub, JupyterLab runs as the student's server, and the hub decides where that server listens.
 
@@ -80,7 +80,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
 
 
 def _forwarded_origin() -> str:
-    """Return a regular expression that matches the origins of a GitHub codespace; empty elsewhere."""
+    """Return a regular expression that matches the origins of this GitHub codespace; empty outside of a codespace."""
     name, domain = map(os.environ.get, ("CODESPACE_NAME", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN"))
     return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 
@@ -106,9 +106,9 @@ def trust(folder: Path, **settings: str) -> None:
 
 
 def _add_missing(course: Path) -> int:
-    """Copy the files that are missing from a learner's course folder; return how many were copied.
+    """Copy the missing files to a learner's course folder; return how many files were missing.
 
-    Copies are writable even if the originals are not. Each is moved into place when it is complete.
+    Copies are writable even if the originals are not. Each copy is moved into place when it is complete.
     """
     missing = [(target, source) for target, source in _course_files(course) if not target.exists()]
     for target, source in missing:

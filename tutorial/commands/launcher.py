@@ -35,8 +35,8 @@ LOOK_EVERY = 0.1  # [s] between checks of the running processes
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    The file is run with the `launch` of the pocket ROS 2, even if a real ROS 2 is installed: ``tank launch`` should
-    behave the same on every machine.
+    The file is run with the `launch` of the pocket ROS 2, even if a real ROS 2 is installed, so that ``tank launch``
+    behaves the same on every machine.
 
     Raises:
         TutorialError: the file fails, uses more of `launch` than the tutorial supports, or describes a process that
@@ -130,7 +130,7 @@ class Launcher:
         reader.start()
 
     def _follow(self, name: str, process: Popen[str]) -> None:
-        """Print a process's lines until it ends. If it is the first to fail, make `run` stop the other processes."""
+        """Print a process's output until it ends. If it is the first to fail, make `run` stop the other processes."""
         with process:
             for line in process.stdout or ():
                 self._say(name, printable_lines(line.rstrip("\n")))
@@ -155,7 +155,7 @@ class Launcher:
         self._signal_groups(signal.SIGKILL)
 
     def _signal_groups(self, number: int) -> bool:
-        """Send a signal to every remaining process group (0 only checks for it); return whether any group remains."""
+        """Send a signal to every remaining process group (0 sends nothing); return whether any group remains."""
         for name, process in tuple(self._running.items()):
             if not parent_watch.signal_group(process.pid, number):
                 self._running.pop(name, None)
@@ -170,7 +170,7 @@ class Launcher:
 
 
 def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
-    """Name each process after its `name`, or else its program. Number repeated names to make them unique."""
+    """Name each process after its `name` or, if it has none, its program. Number repeated names to make them unique."""
     named: dict[str, ExecuteProcess] = {}
     for process in processes:
         name = printable(str(process.name or Path(str(process.cmd[0])).name))

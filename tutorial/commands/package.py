@@ -1,4 +1,4 @@
-"""The command ``tank package``: a controller or a node as a ROS 2 package."""
+"""The command ``tank package``, which makes a ROS 2 package for a controller or an example node."""
 
 # ruff: noqa: PLC0415 - help must be fast
 
@@ -34,7 +34,7 @@ from tutorial.system.printing import print_text
 def package(name: str, own: str | None, destination: Path, interfaces: bool, service: bool) -> None:
     """Make a ROS 2 package called NAME, which you can build with colcon and start with ros2 run or ros2 launch.
 
-    Without --controller, it contains an example node that does not need the tutorial.
+    Without --controller, the package contains an example node that does not need the tutorial.
     """
     from tutorial.commands.packaging.contents import make_interfaces, make_package
 

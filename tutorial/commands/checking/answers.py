@@ -42,13 +42,13 @@ class Answer(NamedTuple):
     unreadable: str = ""
 
     def define(self) -> Any:
-        """Run the statements in a namespace as in a notebook, and return the value of the argument.
+        """Run the statements in one namespace, as a notebook does, and return the value of the argument.
 
         Statements that fail are skipped, so earlier definitions remain, as in a notebook.
 
         Raises:
-            Exception: the argument cannot be evaluated. If a name is missing, this is the error of the last failed
-                statement, if any.
+            Exception: the argument cannot be evaluated. If a name is missing, the error of the last failed statement is
+                raised instead, if there is one.
         """
         if self.given is None:
             return None
@@ -73,7 +73,7 @@ class _Statement(NamedTuple):
         node: the syntax tree.
         file: the cell's name.
         binds: the names that it defines or changes.
-        uses: the notebook's names that it uses, immediately or when called.
+        uses: the global names that it uses, immediately or when it is called.
     """
 
     node: ast.stmt
@@ -105,7 +105,7 @@ def cells_of(text: str) -> list[str]:
 
 
 def find_driver(cells: Sequence[str]) -> str:
-    """Return the driver for the race, from the last cell that writes ``my_driver.py``; empty if there is none."""
+    """Return the driver for the race, from the last cell that writes ``my_driver.py``; an empty string if none does."""
     written = filter(None, map(WRITES_DRIVER.fullmatch, cells))
     return next((match[1] for match in reversed([*written])), "")
 
@@ -115,12 +115,12 @@ def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Ans
 
     Args:
         cells: the notebook's code cells.
-        exercises: the name of each exercise's answer, by the exercise's name.
+        exercises: a mapping from each exercise's name to the name of its answer.
 
     Returns:
         An answer for each exercise that the notebook imports, checks or answers, in the order of the checks. If a check
-        is called several times, the last call with the answer's name is used, or the last call if no call has this
-        name.
+        is called several times, the last call that passes the answer by its name is used or, if there is no such call,
+        simply the last one.
     """
     nodes: list[tuple[ast.stmt, str]] = []
     unreadable: dict[str, tuple[str, str]] = {}
@@ -164,7 +164,7 @@ def _answer(
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
     """Collect the statements that define names, recursively.
 
-    For each name, prefer the statements before a position, if there are any.
+    For a name that is defined before the given position, ignore all later definitions.
     """
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)
@@ -232,7 +232,7 @@ def _compiles(node: ast.stmt) -> bool:
 
 
 def _globals(table: symtable.SymbolTable) -> set[str]:
-    """Collect the notebook's names that functions and classes use."""
+    """Collect the global names that functions and classes use."""
     inner = table.get_children()
     own = {symbol.get_name() for each in inner for symbol in each.get_symbols() if symbol.is_global()}
     return own.union(*(_globals(each) for each in inner))

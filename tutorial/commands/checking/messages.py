@@ -1,4 +1,4 @@
-"""Messages from the process that reads a notebook or judges an answer, each a line of JSON."""
+"""Messages from the process that reads a notebook or judges an answer, each sent as one line of JSON."""
 
 from enum import StrEnum
 
@@ -26,7 +26,7 @@ class Opened(msgspec.Struct):
     Attributes:
         exercises: the notebook's exercises, in order.
         problem: why the notebook cannot be read; otherwise empty.
-        driver: the program for the race; can be empty.
+        driver: the program for the race; empty if the notebook has none.
     """
 
     exercises: list[str]
@@ -45,7 +45,7 @@ class Judged(msgspec.Struct):
         outcome: the verdict.
         cause: if the answer is not right, the most likely cause, as a sentence.
         text: the text that a learner sees.
-        score: the points of a race, 0 to 100; None for any other answer.
+        score: the points scored in a race, from 0 to 100; None for an answer to an exercise.
     """
 
     outcome: Outcome
@@ -60,7 +60,7 @@ class Judged(msgspec.Struct):
     def __post_init__(self) -> None:
         """Escape control characters, both in new messages and in received ones, and detect forged verdicts.
 
-        A check's "right" verdict has ticks, no crosses and no cause. Any other "right" becomes "not judged".
+        A check's "right" verdict has ticks, no crosses and no cause. Any other "right" verdict becomes "not judged".
         """
         self.cause, self.text = clean(self.cause), clean(self.text)
         marks = {line[:1] for line in self.text.split("\n")}
@@ -69,6 +69,6 @@ class Judged(msgspec.Struct):
 
 
 def clean(text: str) -> str:
-    """Escape invisible characters, which a terminal would interpret and XML forbids."""
+    """Escape invisible characters: a terminal would interpret them, and XML forbids them."""
     kept = printable_lines(text)
     return kept if len(kept) <= LONGEST else f"{kept[: LONGEST - 1]}…"

@@ -1,4 +1,4 @@
-"""Reports on a class's answers: a table, a summary, JSON and JUnit XML."""
+"""Reports on the answers of a class of learners: a table, a summary, JSON and JUnit XML."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def table(results: Results) -> Table:
 
 
 def summary(results: Results, is_sandboxed: bool) -> list[str]:
-    """Summarize the counts of each outcome, the most frequent cause, and whether the sandbox was missing."""
+    """Summarize the outcomes, give the most frequent cause, and warn if there was no sandbox."""
     answers = [answer for _, verdicts in results for answer in verdicts.items() if answer[0]]
     counts = Counter(judged.outcome for _, judged in answers)
     parts = [f"{counts[outcome]} {outcome}" for outcome in Outcome if counts[outcome]]

@@ -1,8 +1,8 @@
 """The sandbox for processes that run untrusted code. It uses bubblewrap, as Flatpak does.
 
-It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; a
-network with only a loopback interface; and processes that are all killed when the first one ends. It needs Linux, the
-program ``bwrap``, the library libseccomp, and a system that lets ordinary users create namespaces.
+It contains the files of Python, ROS 2 and the tutorial, read-only; one empty, writable folder of limited size; and a
+network with only a loopback interface. When its first process ends, all its other processes are killed. It needs Linux,
+the program ``bwrap``, the library libseccomp, and a system that lets ordinary users create namespaces.
 """
 
 import ctypes
@@ -42,7 +42,7 @@ NO_SANDBOX = (
 
 
 def sandbox(folder: str, file: Path | None = None) -> list[str]:
-    """Return the arguments to put before a command to run it in a sandbox.
+    """Return the arguments that, put before a command, make it run in a sandbox.
 
     Args:
         folder: the writable folder. Files written there are invisible outside the sandbox.
@@ -67,7 +67,7 @@ def need_sandbox(otherwise: str = "give --no-sandbox") -> None:
     """Check that the sandbox works.
 
     Args:
-        otherwise: how to proceed without a sandbox, for the error message.
+        otherwise: the error message's advice on how to proceed without a sandbox.
 
     Raises:
         TutorialError: the sandbox does not work; the error gives the reason and a fix.
@@ -85,7 +85,8 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
 
     Args:
         seconds: the CPU time limit per process [s].
-        is_sandboxed: whether to limit the number of processes in the sandbox, and refuse some system calls.
+        is_sandboxed: whether this process is in a sandbox; if so, also limit the number of processes, and refuse some
+            system calls.
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():

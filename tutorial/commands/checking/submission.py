@@ -40,12 +40,12 @@ T = TypeVar("T", Judged, Opened)
 
 
 class Submission(NamedTuple):
-    """What a learner has handed in.
+    """The verdicts on a notebook that a learner has handed in, and the notebook's driver.
 
     Attributes:
-        verdicts: the verdicts by exercise name, in the notebook's order. A problem with the notebook itself is the
-            first entry, under "".
-        driver: the program for the race; can be empty.
+        verdicts: the verdicts by exercise name, in the notebook's order. If there is a problem with the notebook
+            itself, it comes first, under the name "".
+        driver: the program for the race; empty if the notebook has none.
     """
 
     verdicts: dict[str, Judged]
@@ -80,7 +80,7 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submissi
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
-    """Judge one answer; the verdict reports an answer that takes too long, or that ends or disturbs its process."""
+    """Judge one answer; if it takes too long, or ends or disturbs its process, the verdict is "not judged"."""
     try:
         judged = await _told(Judged, path, limit, is_sandboxed, exercise)
     except (EOFError, TimeoutError, ValueError, RecursionError) as error:
@@ -92,7 +92,7 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
-    """Start a process for a notebook or one of its answers, return its message, and kill any processes that remain.
+    """Let a process read a notebook or judge an answer, return its message, and kill the process and its children.
 
     Raises:
         EOFError: the process wrote nothing.
@@ -144,7 +144,7 @@ async def bound_memory(pid: int) -> None:
 
 
 def _mapped(process: psutil.Process) -> int:
-    """Return the address space of a process [bytes]; 0 if it has ended.
+    """Return the size of a process's address space [bytes]; 0 if the process has ended.
 
     On macOS, where the address space is always hundreds of GB, return the resident memory instead.
     """
