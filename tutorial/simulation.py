@@ -40,11 +40,11 @@ class Simulation:
     """A world of simulated bodies and their controllers, and the thread that steps it.
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a separate thread, until
-    `stop` is called. A controller sees only the simulated copy of its body, through the `ControllerIO` with which it is
-    initialized. Any thread may call the methods, except `copy_to`; a controller must not call any of them.
+    `stop` is called. A controller can access only the simulated copy of its body, through the `ControllerIO` with which
+    it is initialized. Any thread may call any method except `copy_to`; a controller must not call any of the methods.
 
-    Every exception of a controller becomes a `ControllerError`, even SystemExit. If a controller does not return within
-    a few seconds of `stop` or `release`, the simulation is abandoned and not touched again:
+    Every exception that a controller raises, even SystemExit, becomes a `ControllerError`. If a controller does not
+    return within a few seconds of `stop` or `release`, the simulation is abandoned and never touched again:
 
     =========  ==============  ===========  ===================  ============================
     state      start, advance  run is over  a controller raises  a controller does not return
@@ -55,20 +55,20 @@ class Simulation:
     ABANDONED  refused         never        never                never
     =========  ==============  ===========  ===================  ============================
 
-    A run is over after its duration, after `stop`, or after Ctrl-C. When no run is active, `stop` is the only method of
-    a controller that is called. If `stop` raises an exception when `release` calls it during a run, the run continues,
-    and then ends in FAILED.
+    A run is over when its duration has passed, or after `stop` or Ctrl-C. When no run is active, `stop` is the only
+    controller method that is called. If a controller's `stop` raises an exception when `release` calls it during a run,
+    the run continues, but ends in FAILED.
 
     Args:
         placements, controllers, time_step, find_camera: as for `SteppedWorld`.
 
     Attributes:
-        world: the world; while the simulation runs, only the thread that steps it may touch it.
-        bodies, model, time_step: those of the world.
+        world: the world; while the simulation runs, only the thread that steps the world may touch it.
+        bodies, model, time_step: the world's bodies, model and time step.
         snapshot: the world's newest state, for other threads.
         state: the current state.
-        error: the last error of a controller since the last start; None without errors.
-        rest: the pause between batches of steps in real time [s]. A longer pause saves CPU time.
+        error: the last error of a controller since the last start; None if there was no error.
+        rest: the pause after each batch of steps in a run that `start` began [s]. A longer pause saves CPU time.
 
     Raises:
         TutorialError: the bodies cannot form a world.
@@ -108,7 +108,7 @@ class Simulation:
 
     @property
     def step(self) -> int:
-        """The number of simulated steps."""
+        """The number of steps that have been simulated."""
         return self.world.step
 
     @property
@@ -138,12 +138,12 @@ class Simulation:
         """Step as fast as possible, on the calling thread.
 
         Args:
-            seconds: simulated time to advance by [s], rounded to whole steps.
+            seconds: how much time to simulate [s], rounded to whole steps.
 
         Raises:
-            ControllerError: a controller raised an exception, which stops the simulation; or a controller from an
-                earlier run has never returned.
-            TutorialError: the simulation is running, or a different thread stopped it early.
+            ControllerError: a controller raised an exception, and the simulation has stopped; or a controller from an
+                earlier run never returned.
+            TutorialError: the simulation is already running, or a different thread stopped it early.
         """
         if seconds < 0:
             raise TutorialError(f"advance({seconds}): time cannot run backwards. Pass seconds >= 0.")
@@ -169,10 +169,10 @@ class Simulation:
         """Step in real time, on a separate thread.
 
         Args:
-            duration: stop after this much simulated time [s]; None to run until `stop`.
+            duration: stop after this much simulated time [s]; None to run until `stop` is called.
 
         Raises:
-            ControllerError: a controller has never returned.
+            ControllerError: a controller from an earlier run never returned.
             TutorialError: the simulation is already running.
         """
         with self._turn("start()"):
@@ -185,7 +185,7 @@ class Simulation:
     def stop(self) -> None:
         """End the run and stop the controllers. The world keeps its state. Idempotent.
 
-        The thread of a controller that does not return runs until the process ends; `error` names its current line.
+        If a controller does not return, its thread runs until the process ends, and `error` names its current line.
         """
         with self._turn("stop()"):
             self._step_run.stopping.set()
@@ -194,7 +194,7 @@ class Simulation:
                 self._stop_controllers(self.world.dismiss())
 
     def release(self, body: str) -> None:
-        """Stop the controllers of a body permanently. The body stays in the world, which may be running.
+        """Stop the controllers of a body permanently. The body stays in the world. The simulation may be running.
 
         Args:
             body: the body's name.
@@ -213,7 +213,10 @@ class Simulation:
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Let only one caller at a time start, stop or change it. Reject a controller: it would wait for itself."""
+        """Let only one caller at a time start, stop or change the simulation.
+
+        A call from a controller is rejected, because the controller would wait for itself.
+        """
         if self._step_run.is_mine() or self._stop_run.is_mine():
             raise TutorialError(
                 f"{caller} was called by a controller, and would wait forever for that controller. Call it elsewhere."
@@ -254,7 +257,7 @@ class Simulation:
             run.finished.set()
 
     def _end_stopping(self, run: Run, error: ControllerError | None) -> None:
-        """Go from IDLE to FAILED if stopping a controller failed. If a run is active, leave the change to its end."""
+        """Go from IDLE to FAILED if stopping a controller failed. During a run, leave that change to `_end`."""
         with self._state_lock:
             if error is not None and not run.abandoned:
                 self.error = error
@@ -277,14 +280,14 @@ class Simulation:
         _log.error("%s", text)
 
     def _wait_for(self, run: Run) -> None:
-        """Wait for a run to end, or abandon it."""
+        """Wait for a run to end; if it takes too long, abandon it."""
         if not run.finished.wait(STUCK):
             self._abandon(run)
         if run.is_own and not run.abandoned:
             run.thread.join(STUCK)  # the thread is about to end
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
-        """Stop controllers on a separate thread, which can be abandoned if one of them does not return."""
+        """Stop controllers on a separate thread, which can be abandoned if a controller does not return."""
         self._stop_run = Run.on_own_thread(
             lambda run: self._end_stopping(run, self.world.stop_controllers(run, controllers))
         )
@@ -292,7 +295,7 @@ class Simulation:
         self._wait_for(self._stop_run)
 
     def _main(self, run: Run, last_step: int | None) -> None:
-        """Initialize and step, on the run's own thread."""
+        """Initialize the controllers and step the world, on the run's own thread."""
         failed: ControllerError | None = None
         try:
             self.world.initialize(run)
@@ -304,7 +307,7 @@ class Simulation:
         self._end(run, failed)
 
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
-        """Step so that simulated time follows real time. The origin is fixed, so that delays don't accumulate."""
+        """Step so that simulated time follows real time. The origin is fixed, so delays don't accumulate."""
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
             sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because the end of any simulation resets the interval
@@ -326,7 +329,7 @@ class _Pace:
         self._lost, self._since = 0.0, time.perf_counter()  # [s] skipped since the last report
 
     def steps_due(self, step: int) -> int:
-        """Return how many steps to take now, after ``step`` steps."""
+        """Return how many steps to take now if ``step`` steps have been taken so far."""
         now = time.perf_counter()
         debt = now - self._origin - step * self._time_step
         if debt > LONGEST_DEBT:

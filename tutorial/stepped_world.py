@@ -1,4 +1,4 @@
-"""A MuJoCo world that is stepped together with its controllers. It has no thread and no lock."""
+"""A MuJoCo world that is stepped together with its controllers. It has no thread or lock of its own."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _log = logging.getLogger(__name__)
 
 
 class ControllerError(TutorialError):
-    """The simulation has stopped because a controller raised an exception (this error's cause) or does not return."""
+    """The simulation has stopped because a controller raised an exception (this error's cause) or did not return."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class Run:
         controller: the controller that was called last and may still be running; None while MuJoCo steps.
         laps: a counter that is incremented between steps, when no controller is running.
         stopping: set to ask the run to end.
-        finished: set when the run has ended or was abandoned.
-        abandoned: whether another thread gave up on the run, which must then no longer touch the world.
+        finished: set when the run has ended or has been abandoned.
+        abandoned: whether another thread has given up on the run. An abandoned run must no longer touch the world.
     """
 
     thread: threading.Thread
@@ -69,7 +69,7 @@ class Run:
         return run
 
     def is_mine(self) -> bool:
-        """Return whether the calling thread is this run's, which means that one of its controllers is calling."""
+        """Return whether the calling thread is this run's. If it is, the caller is one of the run's controllers."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
@@ -95,23 +95,24 @@ class Run:
 class SteppedWorld:
     """Bodies in one MuJoCo world, and the controllers that move them.
 
-    Only one thread at a time may initialize or step it. Methods that call controllers expect the caller's `Run`, record
-    in it which controller they call, and return early once the run is abandoned.
+    Only one thread at a time may initialize or step the world. Methods that call controllers expect the caller's `Run`,
+    record in it which controller they call, and return early once the run is abandoned.
 
     Args:
         placements: the bodies.
-        controllers: pairs of a body's name ("" for the world) and a controller, in the order of the calls.
+        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which the controllers
+            are called.
         time_step: the time step [s].
         find_camera: finds a camera of a simulated body (see `Body`); None for a world without camera images.
 
     Attributes:
         model: the composed MuJoCo model.
-        data: the model's state; only the thread that steps may use it.
+        data: the model's state; only the thread that steps the world may use it.
         time_step: the given time step.
         bodies: the simulated bodies by name.
         requests: requests from other threads, which are carried out between two steps.
-        step: the number of simulated steps.
-        initialized: whether the controllers have been initialized, and not dismissed since.
+        step: the number of steps that have been simulated.
+        initialized: whether the controllers have been initialized and have not been dismissed since.
 
     Raises:
         TutorialError: the bodies cannot form a world.
@@ -140,11 +141,13 @@ class SteppedWorld:
         return self.step * self.time_step
 
     def snapshot(self) -> Snapshot:
-        """Return a copy of the state. Only for the thread that steps."""
+        """Return a copy of the state. Call it only on the thread that steps the world."""
         return Snapshot(self.time, self.data.qpos.copy())
 
     def initialize(self, run: Run) -> None:
-        """Initialize all controllers, unless they already are. If a controller fails, stop those that were initialized.
+        """Initialize all controllers, unless they are already initialized.
+
+        If a controller fails, stop the controllers that were initialized before it.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -168,10 +171,10 @@ class SteppedWorld:
         self.initialized = True
 
     def run_steps(self, run: Run, count: int) -> bool:
-        """Take ``count`` steps: carry out the waiting requests, call every controller, and let MuJoCo step.
+        """Take ``count`` steps: in each, carry out the waiting requests, call every controller, and let MuJoCo step.
 
         Returns:
-            True after all steps; False if the run had to end earlier.
+            True if all steps were taken; False if the run had to end earlier.
 
         Raises:
             ControllerError: a controller raised an exception.
@@ -228,6 +231,6 @@ class SteppedWorld:
         return failed
 
     def controller_error(self, run: Run, error: BaseException) -> ControllerError:
-        """Return an error that names the controller that failed, the time, and the line."""
+        """Return an error that names the failed controller, the simulated time and the line."""
         name, file = run.at_work()
         return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {describe_error(error, file)}")

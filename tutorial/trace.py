@@ -1,7 +1,7 @@
-"""Records when, and on which thread, each message was received, posted and applied, to make the hand-off visible.
+"""Records when, and on which thread, each message was received, posted and applied, to show how it was handed off.
 
-Without a trace, a program only makes one check per message and per call. A trace stores only the newest handoffs, so it
-can always remain enabled.
+Without a trace, the only cost is one check per message and per call. A trace stores only the newest handoffs, so it can
+remain enabled permanently.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ class Handoff:
     If a callback posts several calls, the message has a handoff for each of them.
 
     Attributes:
-        topic: the message's topic; None for a call without a message.
+        topic: the message's topic; None if no message caused the call.
         received: when the message's callback began.
-        handled: when the callback returned; only in the message's first handoff.
+        handled: when the callback returned; set only in the message's first handoff.
         posted: when the call was posted.
         applied: when the call began to run.
-        superseded: when a newer call with the same key replaced it.
+        superseded: when a newer call with the same key replaced this call.
     """
 
     topic: str | None = None
@@ -59,7 +59,7 @@ class Handoff:
     def outcome(self) -> str:
         """``"applied"``, ``"superseded"``, ``"waiting"``, or ``"handled"`` if the callback posted nothing.
 
-        A call that was cancelled because its scope was closed stays ``"waiting"``.
+        The outcome of a call that was cancelled because its scope was closed remains ``"waiting"``.
         """
         if self.applied is not None:
             return "applied"
@@ -68,7 +68,7 @@ class Handoff:
         return "handled" if self.posted is None else "waiting"
 
     def apply(self) -> None:
-        """Record that the posted call begins to run, on this thread."""
+        """Record that the posted call is beginning to run on this thread."""
         self.applied = Moment.now()
 
     def supersede(self, newer: Handoff | None) -> None:
@@ -82,7 +82,7 @@ class HandoffTrace:
     Pass it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
-        capacity: how many handoffs to store; the oldest handoffs are dropped.
+        capacity: the maximum number of handoffs to store; older handoffs are dropped.
 
     Attributes:
         handled: the number of messages whose callbacks have returned, including those that are no longer stored.
@@ -96,7 +96,7 @@ class HandoffTrace:
 
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
-        """Record a message's callback, which runs in this context, and attribute the callback's calls to the message.
+        """Record a message's callback, which runs in the ``with`` block, and attribute its calls to the message.
 
         Args:
             topic: the message's topic.
@@ -114,7 +114,7 @@ class HandoffTrace:
             self._current.message = outer
 
     def post(self) -> Handoff:
-        """Record that a call was posted. Return its handoff; call `apply` or `supersede` on it later."""
+        """Record that a call was posted, and return its handoff. Call the handoff's `apply` or `supersede` later."""
         message: Handoff | None = getattr(self._current, "message", None)
         if message is not None and message.posted is None:  # the callback's first call
             message.posted = Moment.now()

@@ -27,10 +27,10 @@ class Placement:
 
     Attributes:
         name: the body's name; its elements are called ``name/element`` in the composed model.
-        model: path of its MJCF or URDF file, or of a line's YAML file (`tutorial.model.line_file`).
+        model: the path of its MJCF or URDF file, or of a line's YAML file (`tutorial.model.line_file`).
         position: the position of the model's origin in the world [m], (x, y, z).
         orientation_wxyz: a unit quaternion in MuJoCo's order, (w, x, y, z).
-        without: the names of the model's geoms to omit.
+        without: the names of the geoms to omit from the model.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Placement:
 def compose(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjModel:
     """Compile one world from several bodies.
 
-    The world has the options that its models set, unless they contradict each other: see `tutorial.model.options`.
+    The world has the options that its models set, unless the models contradict each other (`tutorial.model.options`).
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.
@@ -53,7 +53,7 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
         The compiled model.
 
     Raises:
-        TutorialError: a model cannot be loaded, or the world cannot be compiled; the error quotes MuJoCo's reason.
+        TutorialError: a model cannot be loaded, or the world cannot be compiled; the error quotes MuJoCo's message.
     """
     world, unused = _make_world(placements, time_step)
     try:
@@ -68,16 +68,16 @@ def compose(placements: Iterable[Placement], time_step: float | None = None) -> 
 
 
 def world_spec(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjSpec:
-    """Return the spec that `compose` compiles, for the same arguments.
+    """Return the spec that `compose` would compile for the same arguments.
 
     Raises:
-        TutorialError: a model cannot be loaded; the error quotes MuJoCo's reason.
+        TutorialError: a model cannot be loaded; the error quotes MuJoCo's message.
     """
     return _make_world(placements, time_step)[0]
 
 
 def _make_world(placements: Iterable[Placement], time_step: float | None) -> tuple[mujoco.MjSpec, str]:
-    """Make a world, and describe the options of its models that it does not use."""
+    """Make a world, and describe which of its models' options it does not use."""
     placements = list(placements)
     parts = [_read(placement) for placement in placements]
     world = mujoco.MjSpec()

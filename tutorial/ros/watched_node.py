@@ -1,6 +1,6 @@
-"""A node that records when its callbacks run, and a watchdog for callbacks that wait for themselves.
+"""A node that records when its callbacks run, and that can find and end deadlocks among them.
 
-It requires a real ROS 2, because the pocket ROS 2 has no services.
+This module requires a real ROS 2, because the pocket ROS 2 has no services.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ class DeadlockError(TutorialError):
 
 @dataclass(eq=False)
 class Span:
-    """The time during which a callback runs, or waits.
+    """A period during which a callback runs or waits.
 
     Attributes:
         label: the callback's name.
         group: the callback's group.
         kind: ``"runs"``, ``"call()"`` while its thread waits in `call`, or ``"await"`` while it awaits a response.
         thread: the thread's name.
-        client, future: the client that sent the callback's last request, and the future response; None without a
-            request.
+        client, future: the client that sent the callback's last request, and the future response; both are None if the
+            callback has sent no request.
         began, ended: from `time.perf_counter` [s]; `ended` is None until the span ends.
     """
 
@@ -56,11 +56,11 @@ class Span:
 
 
 class WatchedNode(MeteredNode):
-    """A node that records its callbacks. Otherwise it behaves like rclpy's node.
+    """A node that records its callbacks, but otherwise behaves like rclpy's node.
 
     Attributes:
-        spans: the newest spans, sorted by their start.
-        ended: the texts of the deadlocks that `end_deadlocks` has ended.
+        spans: the newest spans, in the order in which they began.
+        ended: descriptions of the deadlocks that `end_deadlocks` has ended.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -83,14 +83,14 @@ class WatchedNode(MeteredNode):
         return super().create_subscription(msg_type, topic, self._recorded(callback, **kwargs), *args, **kwargs)
 
     def create_client(self, srv_type: type, srv_name: str, **kwargs: Any) -> Any:
-        """Create a client, as rclpy does, and record its calls and the callbacks of its future responses."""
+        """Create a client, as rclpy does, and record its calls and the callbacks of its futures."""
         client: Any = super().create_client(srv_type, srv_name, **kwargs)  # type: ignore[misc]
         client.call_async = partial(self._call_async, client, client.call_async)
         client.call = partial(self._call, client.call)
         return client
 
     def deadlocks(self) -> dict[Span, str]:
-        """Return the waits for responses that nobody can receive, each with the reason."""
+        """Return the spans that wait for a response that nobody can receive, each with the reason."""
         waits = [span for span in [*self.spans] if span.kind != "runs" and span.ended is None and span.future]
         return {span: text for span in waits if (text := self._explain(span))}
 
@@ -101,7 +101,7 @@ class WatchedNode(MeteredNode):
             wait.future.set_exception(DeadlockError(text))
 
     def _explain(self, wait: Span) -> str:
-        """Explain why nobody can receive the response that a callback awaits; return "" if somebody can receive it."""
+        """Explain why nobody can receive the response that a callback waits for; return "" if it can be received."""
         group, doing = wait.client.callback_group, {"call()": "waits in call() for"}.get(wait.kind, "awaits")
         waits = f"{wait.label} {doing} the response of {wait.client.srv_name}"
         if wait.kind == "call()" and isinstance(self.executor, SingleThreadedExecutor):
@@ -114,7 +114,7 @@ class WatchedNode(MeteredNode):
         return ""
 
     def _recorded(self, callback: Callback, callback_group: Any = None, **_: Any) -> Callback:
-        """Return a callback that records its spans. Callbacks of rclpy itself are not recorded."""
+        """Wrap a callback so that its spans are recorded. rclpy's own callbacks are returned unchanged."""
         if (getattr(callback, "__module__", None) or "").startswith("rclpy."):
             return callback
         span = partial(Span, getattr(callback, "__name__", "callback"), callback_group or self.default_callback_group)
@@ -134,7 +134,7 @@ class WatchedNode(MeteredNode):
     def _steps(self, span: Callable[..., Span], coroutine: Any) -> Generator[Any, Any, Any]:
         """Run a coroutine; record its steps, and how long it awaits responses between them.
 
-        While it awaits, the executor resumes it again and again. These steps are not recorded.
+        While the coroutine awaits a response, the executor resumes it again and again. These steps are not recorded.
         """
         wait: Span | None = None
         while True:

@@ -1,7 +1,8 @@
 """Starts a command that ends when its parent does, even if the parent is killed: ``python parent_watch.py COMMAND...``.
 
-This process watches standard input: when the other end closes because the parent has ended, it asks the command to
-stop, and kills it if it keeps running. The command and this process form one process group, so a signal reaches both.
+This process watches standard input: when the other end closes because the parent has ended, this process asks the
+command to stop, and kills it if it keeps running. The command and this process form one process group, so a signal to
+the group reaches both.
 The command itself handles the signals that ask it to stop.
 
 This file imports only the standard library and is run by its path, so it starts quickly.
@@ -22,7 +23,7 @@ OWN = str(Path(sys.executable).with_name("tank"))
 
 
 def main() -> int:
-    """Run the command, and return its exit status; 128 + n if signal n ended it."""
+    """Run the command, and return its exit status, or 128 + n if signal n ended the command."""
     command = sys.argv[1:]
     signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
     early: set[int] = set()
@@ -43,7 +44,7 @@ def main() -> int:
 def start_watched(
     words: Sequence[str], environment: Mapping[str, str], folder: str | Path | None = None
 ) -> subprocess.Popen[str]:
-    """Start a command that ends when this process does. Its stdout also carries its stderr, as lines of text.
+    """Start a command that ends when this process does. Its stdout is text, and includes its stderr.
 
     Args:
         words: the command and its arguments.
@@ -71,7 +72,7 @@ def start_watched(
 
 
 def signal_group(pid: int, number: int) -> bool:
-    """Send a signal to a watched command and all its child processes; 0 only checks whether they exist.
+    """Send a signal to a watched command and all its child processes; signal 0 only checks whether they exist.
 
     Returns:
         Whether any of these processes still exists.
@@ -84,9 +85,9 @@ def signal_group(pid: int, number: int) -> bool:
 
 
 def _begin(program: str, early: set[int]) -> None:
-    """Restore the command's signals, and send it each signal that arrived before it was started.
+    """Restore the default signal handling, and send the command each signal that arrived before it was started.
 
-    ``tank`` unblocks SIGINT itself, because Python would react with a traceback until the command is ready.
+    A ``tank`` command unblocks SIGINT itself when it is ready. Before that, Python would respond with a traceback.
     """
     for each in STOP_SIGNALS:
         signal.signal(each, signal.SIG_DFL)

@@ -1,7 +1,7 @@
 """Finds the tutorial's files: projects, launch files, notebooks, drives, models.
 
-A folder that contains them is a *course folder*. There are three kinds of course folders: a checkout; the folder in an
-installed package, which is never written to; and a learner's copy of that folder, made by ``tank lab``. A process
+A folder that contains these files is a *course folder*. There are three kinds of course folders: a checkout; the folder
+in an installed package, which is never written to; and a learner's copy of that folder, made by ``tank lab``. A process
 chooses its course folder when it starts: the nearest course folder from the current directory upwards; else the
 checkout that contains the package; else the folder in the package.
 """
@@ -39,16 +39,16 @@ def is_folder(path: Path) -> bool:
 
 
 def find_home(start: Path) -> Path:
-    """Find the course folder to use in a working directory.
+    """Find the course folder that a process uses if it starts in a given working directory.
 
     Args:
-        start: the working directory, absolute.
+        start: the absolute path of the working directory.
     """
     return next((folder for folder in (start, *start.parents) if is_course(folder) and is_ours(folder)), original())
 
 
 def original() -> Path:
-    """Return the course folder that came with the package, which is not a learner's copy."""
+    """Return the course folder that came with the package, never a learner's copy."""
     return PACKAGE.parent if is_course(PACKAGE.parent) else SHIPPED
 
 
@@ -58,7 +58,7 @@ def is_course(folder: Path) -> bool:
 
 
 def is_ours(folder: Path) -> bool:
-    """Return whether this user or root owns a folder. Code in a course folder is run, so its owner must be trusted."""
+    """Return whether this user or root owns a folder. A course folder's code is run, so its owner must be trusted."""
     return folder.stat().st_uid in (os.getuid(), ROOT)
 
 
@@ -70,7 +70,7 @@ def find_project(given: str) -> Path:
     """Find a project file by its path, or by the name of a tutorial project, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such project; the error suggests the nearest name.
+        TutorialError: there is no such project; the error suggests the closest match.
     """
     return _find(given, HOME / "project", ".yaml", "project")
 
@@ -79,16 +79,16 @@ def find_drive(given: str) -> Path:
     """Find a drive file by its path, or by the name of a tutorial drive, such as ``tour``.
 
     Raises:
-        TutorialError: there is no such drive; the error suggests the nearest name.
+        TutorialError: there is no such drive; the error suggests the closest match.
     """
     return _find(given, HOME / "project" / "drives", ".yaml", "drive")
 
 
 def find_layout(given: str) -> Path:
-    """Find the line of a race by its path or, in the `original` course folder, by its name, such as ``bend``.
+    """Find the file of a race's line by its path or, in the `original` course folder, by its name, such as ``bend``.
 
     Raises:
-        TutorialError: there is no such layout; the error suggests the nearest name.
+        TutorialError: there is no such layout; the error suggests the closest match.
     """
     return _find(given, original() / "project" / "race", ".yaml", "layout")
 
@@ -97,16 +97,16 @@ def find_launch_file(given: str) -> Path:
     """Find a launch file by its path, or by the name of a tutorial launch file, such as ``step3``.
 
     Raises:
-        TutorialError: there is no such launch file; the error suggests the nearest name.
+        TutorialError: there is no such launch file; the error suggests the closest match.
     """
     return _find(given, HOME / "launch_py", ".launch.py", "launch file")
 
 
 def find_model(given: str) -> Path:
-    """Find a model by its path, or by the name of a tutorial model, ``tank`` or, like the body, ``Tank``.
+    """Find a model by its path, or a tutorial model by its name, which may be capitalized: ``tank`` or ``Tank``.
 
     Raises:
-        TutorialError: there is no such model; the error suggests the nearest name.
+        TutorialError: there is no such model; the error suggests the closest match.
     """
     if given.lower().endswith((".xml", *OTHER_MODELS)) and is_file(Path(given)):
         return Path(given)

@@ -1,4 +1,4 @@
-"""Prints text that may contain untrusted parts, at a terminal or in a cell."""
+"""Prints text that may contain untrusted parts, in a terminal or in a notebook's cell."""
 
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
@@ -9,7 +9,7 @@ from tutorial.errors import printable_lines
 
 
 def print_text(text: str, err: bool = False) -> None:
-    """Print text without adding a line break, and flush. All commands print with this function.
+    """Print text without adding a line break, and flush. All commands use this function to print.
 
     Control characters are printed as escapes: parts of the text may be untrusted, and a terminal would interpret them.
 
@@ -21,7 +21,7 @@ def print_text(text: str, err: bool = False) -> None:
 
 
 async def print_texts(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print strings as they arrive: the first ``count`` of them, or all."""
+    """Print strings as they arrive: the first ``count`` strings, or all strings if ``count`` is None."""
     async with aclosing(texts):
         async for text in texts:
             print_text(text)

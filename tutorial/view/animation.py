@@ -1,6 +1,6 @@
-"""Turns a scene's messages over time into a single message that contains all objects and an animation of them.
+"""Turns the messages that a scene sends during a run into one message with all objects and their animation.
 
-In meshcat, an animation holds timed poses of each object that moves.
+In meshcat, an animation contains the poses of each object that moves, with their times.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Animation:
         self._has_camera = False
 
     def add(self, time: float, message: bytes) -> None:
-        """Add a message of the scene, with its time in the run [s]. An empty message means that nothing has changed."""
+        """Add a message from the scene, with its time in the run [s]. An empty message means that nothing changed."""
         self._before, self._now = self._now, time
         for kind, payload in unpack_records(message):
             if kind is Record.COMMAND:

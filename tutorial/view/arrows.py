@@ -33,7 +33,7 @@ class Style:
         legend: a description of the arrow.
         colour: as 0xRRGGBB.
         scale: the arrow's length [m] per unit.
-        threshold: the smallest value that has an arrow, in the unit.
+        threshold: the smallest value for which an arrow is drawn, in this unit.
         offset: the height of the arrow's start above the sensor [m].
     """
 
@@ -63,7 +63,7 @@ class Arrow:
         path: the arrow's path in the scene.
         model: the body's model.
         sensor: the id of an accelerometer or a gyroscope, which measures in the frame of its site.
-        style: how to show it.
+        style: how to show the measurement.
     """
 
     def __init__(self, path: str, model: mujoco.MjModel, sensor: int, style: Style) -> None:
@@ -81,10 +81,10 @@ class Arrow:
         self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
-        """Aim along the measured vector, from the sensor's current position.
+        """Aim the arrow along the measured vector, from above the sensor's current position.
 
-        Three zeros mean that there is no measurement yet, because an accelerometer at rest measures 9.8. No arrow is
-        drawn if a number is not finite.
+        Three zeros mean that there is no measurement yet, because even at rest, an accelerometer measures 9.8 m/s². No
+        arrow is drawn if a number is not finite.
         """
         self._measured = data.sensordata[self._adr : self._adr + 3].copy()
         self._origin = data.site_xpos[self._site] + (0.0, 0.0, self._style.offset)
@@ -114,14 +114,14 @@ class Arrow:
         yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Return the measurement as name, x, y, z, unit and legend; empty without a measurement."""
+        """Return the measurement as name, x, y, z, unit and legend; an empty tuple if there is no measurement."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
         return (self._style.name, *numbers, self._style.unit, self._style.legend)
 
     def _matrix(self) -> Matrix:
-        """Return the arrow's transform. It is drawn 1 m long, along z."""
+        """Return the arrow's transform. Before the transform, the arrow is 1 m long and points along z."""
         quaternion = np.empty(4)
         mujoco.mju_quatZ2Vec(quaternion, self._shown)
         length = min(self._style.scale * float(np.linalg.norm(self._shown)), LONGEST)
@@ -134,7 +134,7 @@ def arrows_of(root: str, model: mujoco.MjModel) -> Iterator[Arrow]:
     """Make arrows for a model's first accelerometer and its first gyroscope.
 
     Args:
-        root: the arrows' parent path.
+        root: the path in the scene under which the arrows are placed.
         model: the body's model.
     """
     types = model.sensor_type.tolist()

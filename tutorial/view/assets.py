@@ -13,7 +13,7 @@ VIEW = ("make.js", "camera.js", "scene.js", "viewer.js")
 
 
 def meshcats_viewer() -> Path:
-    """Return the folder with meshcat's ``main.min.js``, found without importing meshcat (0.3 s)."""
+    """Return the folder with meshcat's ``main.min.js``, without importing meshcat, which would take 0.3 s."""
     return Path(str(distribution("meshcat").locate_file("meshcat/viewer/dist")))
 
 

@@ -58,12 +58,12 @@ LIGHTS = {
 
 
 class View:
-    """The 3D view of a program, which draws named bodies into a scene.
+    """A program's 3D view, which draws named bodies into a scene.
 
-    Use it on the scene's thread. Changes become visible with `flush`.
+    Use it on the scene's thread. Changes become visible at the next `flush`.
 
     Args:
-        scene: the scene to draw into. The view sets up its background, lights, grid and camera.
+        scene: the scene to draw into. The view sets up the scene's background, lights, grid and camera.
 
     Attributes:
         scene: the scene.
@@ -80,7 +80,7 @@ class View:
 
         Args:
             name: an unused name, without a slash, to pass to `update` and `remove`.
-            model: the model. Its geoms in groups 0 to 2 are drawn.
+            model: the model. Only its geoms in groups 0 to 2 are drawn.
 
         Raises:
             WrongThreadError: this is not the scene's thread.
@@ -97,9 +97,9 @@ class View:
         self.update(name, data)
 
     def update(self, name: str, data: mujoco.MjData) -> None:
-        """Draw the MuJoCo bodies in their current poses. Bodies that have not moved need almost no time.
+        """Draw the MuJoCo bodies in their current poses. Bodies that have not moved take almost no time.
 
-        Arrows show the measurements of the inertial sensors, slightly smoothed between one `flush` and the next.
+        Arrows show the measurements of the inertial sensors, slightly smoothed from one `flush` to the next.
 
         Args:
             name: the name given to `add`.
@@ -118,7 +118,7 @@ class View:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Return the values of a body's arrows as rows of numbers, omitting sensors that have not measured yet.
+        """Return the readings of a body's inertial sensors, except for sensors that have not measured anything yet.
 
         Returns:
             Rows of body, quantity, x, y, z, unit and legend.
@@ -126,11 +126,12 @@ class View:
         return [(name, *reading) for arrow in self._bodies[name].arrows if (reading := arrow.reading())]
 
     def show_stale(self, name: str, joints: Collection[str]) -> None:
-        """Draw the parts that stale joints move in grey, and all other parts in their normal colours.
+        """Use grey for the parts that stale joints move, and the normal colours for all other parts.
 
         Args:
             name: the name given to `add`.
-            joints: the stale joints, which have had no recent message. In the model they are called ``name/joint``.
+            joints: the stale joints, for which no message has arrived recently. In the model, they are called
+                ``name/joint``.
 
         Raises:
             WrongThreadError: this is not the scene's thread.
@@ -164,7 +165,7 @@ class View:
         self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def show_frames(self, *names: str) -> None:
-        """Draw the axes of exactly these frames.
+        """Show the axes of these frames, and hide the axes of all other frames.
 
         Args:
             names: frames such as ``"odom"`` and ``"Tank/base_link"``; see `frame_names`.
@@ -188,7 +189,7 @@ class View:
         return tuple(self._frames)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
-        """Write one line below the view, and the rows of `readings` as a table below it: see `Scene.line`.
+        """Write one line below the view, and the rows of `readings` as a table below that line: see `Scene.line`.
 
         Raises:
             WrongThreadError: this is not the scene's thread.
@@ -216,7 +217,7 @@ class View:
     def _draw(self, root: str, model: mujoco.MjModel, more: Collection[int]) -> tuple[dict[int, str], dict[int, str]]:
         """Draw the geoms, each below its MuJoCo body's path; return the paths of the bodies and of the geoms.
 
-        The paths of the bodies in `more` are included even if they have no geoms.
+        The paths of the bodies in `more` are included even if those bodies have no geoms.
         """
         bodies = {body: f"{root}/{_label(model.body(body))}" for body in sorted(more)}
         geoms: dict[int, str] = {}
@@ -256,7 +257,7 @@ class View:
 
 
 def _label(element: Any) -> str:
-    """Return an element's name as a path segment, such as ``Tank.GUN`` for ``Tank/GUN``, or else its id."""
+    """Return an element's name as a path segment, such as ``Tank.GUN`` for ``Tank/GUN``; its id if it has no name."""
     return str(element.name.replace("/", ".") or element.id)
 
 
@@ -282,9 +283,9 @@ class _Poses:
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
 
     def moved(self, data: mujoco.MjData) -> list[tuple[str, NDArray[np.float32]]]:
-        """Return the bodies that have moved: (path, matrix).
+        """Return the path and the matrix of each body that has moved.
 
-        A body stays in place if its pose is not finite, or too far away for single precision.
+        A body is left where it was if its pose is not finite, or if it is too far away for single precision.
         """
         now = self._now
         now[:, :3, :3] = data.xmat[self._ids].reshape(-1, 3, 3).transpose(0, 2, 1)

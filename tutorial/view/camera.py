@@ -41,7 +41,7 @@ class Camera:
     def capture(self, deliver: Callable[..., object], *args: object) -> None:
         """Request an image of the world in its current state, to be delivered by ``deliver(pixels, *args)``.
 
-        This call only copies the state. The renderer's thread renders the image and calls ``deliver``. Pixels have
+        This call only copies the state. The renderer's thread renders the image and calls ``deliver``. The pixels have
         the shape (height, width, 3), with red, green and blue from 0 to 255, and the top row first. A new request
         replaces a request that has not been rendered yet.
 
@@ -73,10 +73,10 @@ class _Request:
 
 
 class CameraRenderer:
-    """Renders the cameras of one simulated world, on a thread that starts with the first image.
+    """Renders the images of one simulated world's cameras, on a thread that starts with the first image.
 
     Each image is rendered from a copy of the state, so the simulation continues during rendering. If rendering fails,
-    one log line reports the error, and no images are delivered.
+    one log line reports the error, and no more images are delivered.
 
     Attributes:
         error: the last exception that an image callback raised; None without exceptions.
@@ -95,7 +95,7 @@ class CameraRenderer:
         """Find a camera of a simulated body by name.
 
         Raises:
-            TutorialError: the body has no such camera; the error suggests the nearest name.
+            TutorialError: the body has no such camera; the error suggests the closest match.
         """
         number = body.find_id("camera", body.model.camera, body.model.ncam, name)
         width, height = body.model.cam_resolution[number].tolist()
@@ -124,7 +124,7 @@ class CameraRenderer:
                 raise request.error
 
     def forget(self, camera: Camera) -> None:
-        """Stop delivering images of this camera; see `Camera.close`."""
+        """Stop delivering images from this camera; see `Camera.close`."""
         with self._changed:
             dropped = self._requests.pop(camera, None)
             if dropped is not None:
@@ -167,7 +167,7 @@ class CameraRenderer:
             return self._at_work
 
     def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
-        """Deliver an image. In lockstep, the caller raises the receiver's error; otherwise, log the first error."""
+        """Deliver an image. Log the first error of an image callback, except in lockstep, where `request` raises it."""
         try:
             request.deliver(pixels, *request.args)
         except BaseException as error:  # noqa: BLE001 - the other cameras continue

@@ -1,6 +1,6 @@
-"""The frames of a robot whose axes the view can draw, with their names on `/tf`.
+"""A robot's frames whose axes the view can draw, named as on `/tf`.
 
-They are the `base_link`, the links that joints move, and the optical frames of the cameras, with the names of the
+They are `base_link`, the links that joints move, and the optical frames of the cameras. Their names are those in the
 robot description (`tutorial.description.urdf`).
 """
 
@@ -28,8 +28,9 @@ class Frame(NamedTuple):
     Attributes:
         name: the frame's name, such as ``"Tank/base_link"``.
         body: MuJoCo's id of the body.
-        pose: the frame's pose in the body, (4, 4) [m].
-        label: the position of the name, in units of the axes' length, so that the names of nearby frames don't overlap.
+        pose: the frame's pose relative to the body, (4, 4) [m].
+        label: the position of the name, in units of the axes' length, chosen so that the names of nearby frames don't
+            overlap.
     """
 
     name: str
@@ -60,5 +61,5 @@ def frames_of(name: str, model: mujoco.MjModel) -> Iterator[Frame]:
 
 
 def _full(robot: str, name: str) -> str:
-    """Return a frame's name with the robot's name as a prefix, which only names in a composed model already have."""
+    """Return a frame's name with the robot's name as a prefix. Names in a composed model already have this prefix."""
     return name if name.startswith(f"{robot}/") else f"{robot}/{name}"

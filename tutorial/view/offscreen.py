@@ -22,7 +22,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
     """An off-screen OpenGL context for rendering one model. Use it only on the thread that makes it.
 
     Args:
-        model: the model to render. The context uses a copy without shadows or antialiasing, which are expensive.
+        model: the model to render. The context renders a copy of it, without the costly shadows and antialiasing.
 
     Raises:
         Exception: rendering does not work on this machine.
@@ -52,7 +52,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         """Render a camera's image.
 
         Args:
-            qpos: the positions, shape (nq,).
+            qpos: MuJoCo's generalised positions, shape (nq,).
             camera: the camera's id.
             width, height: the size of the image [px].
 
@@ -72,7 +72,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
 
 def advice() -> str:
-    """Return advice on how to make rendering work, as a sentence without the full stop."""
+    """Return advice on how to make rendering work, as a sentence without its full stop."""
     return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
 
 

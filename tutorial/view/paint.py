@@ -11,14 +11,14 @@ STALE = [0.72, 0.73, 0.75]
 
 
 class Paint:
-    """The colours of one model's geoms, by the joints that move them.
+    """The colours of one model's geoms, which depend on the joints that move the geoms.
 
-    A geom is moved by the joints of its MuJoCo body or, if that body has none, of the nearest parent with joints.
+    A geom is moved by the joints of its MuJoCo body or, if that body has none, of its nearest ancestor with joints.
 
     Args:
         name: the drawn body's name. Its joints are called ``name/joint`` in the model.
         model: the drawn model.
-        geoms: the scene path of each drawn geom, by the geom's id.
+        geoms: the scene path of each drawn geom, keyed by the geom's id.
     """
 
     def __init__(self, name: str, model: mujoco.MjModel, geoms: dict[int, str]) -> None:

@@ -1,7 +1,7 @@
-"""Records a scene during a run as a page, which replays the run in any browser without other files.
+"""Records a scene during a run, and makes a page that replays the run in any browser, without other files.
 
-During the run, the scene's messages become an animation (`tutorial.view.animation`). Afterwards, the animation becomes
-a page.
+During the run, the scene's messages are collected in an animation (`tutorial.view.animation`). Afterwards, a page is
+made from the animation.
 """
 
 import base64
@@ -37,7 +37,7 @@ class Replay:
     Attributes:
         scene: a message of `tutorial.view.scene` with all objects and the animation.
         times: the frames' times [s], from 0.
-        joints: the position in each frame [rad, or m for slide joints], keyed by "body joint"; NaN if missing.
+        joints: each joint's position in each frame [rad, or m for slide joints], keyed by "body joint"; NaN if missing.
         lines: the lines below the view: (start time [s], text).
     """
 
@@ -47,7 +47,9 @@ class Replay:
     lines: tuple[tuple[float, str], ...]
 
     def figure(self, title: str) -> str:
-        """Return the run as an HTML element. Its page needs `script`, `style` and meshcat's viewer, once each.
+        """Return the run as an HTML element.
+
+        A page with such elements needs `script`, `style` and meshcat's viewer, once each.
 
         Args:
             title: the run's name for screen readers.
@@ -90,12 +92,12 @@ def style() -> str:
 
 
 class ReplayRecorder:
-    """Records the changes of a scene over time. Use it on the scene's thread.
+    """Records how a scene changes over time. Use it on the scene's thread.
 
     Args:
-        scene: the scene to record, from now on.
-        seconds: returns the elapsed time of the run [s].
-        joints: returns the joints' positions [rad, or m for slide joints], keyed by "body joint".
+        scene: the scene to record. Recording begins immediately.
+        seconds: a function that returns the elapsed time of the run [s].
+        joints: a function that returns the joints' positions [rad, or m for slide joints], keyed by "body joint".
         longest_pause: longer pauses without movement are shortened to this length [s].
     """
 
@@ -119,7 +121,7 @@ class ReplayRecorder:
         scene.attach(self._take)
 
     def stop(self) -> Replay:
-        """Stop recording, and return the run."""
+        """Stop recording, and return the recorded run."""
         self._scene.detach(self._take)
         self._take(b"")
         names = self._positions[-1]
@@ -155,8 +157,8 @@ def recorded(
         scene: the scene to record.
         path: where to write the page.
         title: the title of the page.
-        seconds: returns the time that the scene shows [s].
-        joints: returns the joints' positions [rad, or m for slide joints], keyed by "body joint".
+        seconds: a function that returns the time that the scene shows [s].
+        joints: a function that returns the joints' positions [rad, or m for slide joints], keyed by "body joint".
         longest_pause: longer pauses without movement are shortened to this length [s].
 
     Raises:

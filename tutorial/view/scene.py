@@ -3,8 +3,8 @@
 A scene accepts meshcat's commands. It depends on neither a server nor a notebook: it passes bytes to the attached
 sinks, and ``static/scene.js`` feeds them to meshcat's viewer in the browser.
 
-A message is a sequence of records. Each consists of the payload's length (four bytes, little-endian), the record's kind
-(one byte) and the payload.
+A message is a sequence of records. A record consists of its payload's length (four bytes, little-endian), its kind (one
+byte) and the payload.
 """
 
 import logging
@@ -54,12 +54,12 @@ class Record(IntEnum):
 
 
 def pack_command(command: dict[str, Any]) -> bytes:
-    """Serialise a meshcat command for its viewer. NumPy arrays become flat Float32Arrays."""
+    """Serialise a meshcat command for meshcat's viewer. NumPy arrays become flat Float32Arrays."""
     return msgpack.encode(command, enc_hook=_packed)
 
 
 def unpack_command(payload: bytes) -> dict[str, Any]:
-    """Parse a serialised command, with Float32Arrays as arrays of shape ``(n,)``."""
+    """Parse a serialised command. Float32Arrays become arrays of shape ``(n,)``."""
     return msgpack.decode(payload, type=dict[str, Any], ext_hook=lambda _code, data: np.frombuffer(data, "<f4"))
 
 
@@ -90,7 +90,7 @@ class Scene:
     built-in objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
-        catch_up: draws the changes that were skipped while no sink was attached.
+        catch_up: a function that draws the changes that were skipped while no sink was attached.
     """
 
     def __init__(self) -> None:
@@ -102,7 +102,7 @@ class Scene:
 
     @property
     def watched(self) -> bool:
-        """Whether a sink is attached. Without a sink, nothing needs to be drawn, because `snapshot` catches up."""
+        """Whether a sink is attached. Without a sink, nothing needs to be drawn, because `snapshot` draws it later."""
         return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:
@@ -124,9 +124,9 @@ class Scene:
         self._put(key, pack_record(Record.COMMAND, pack_command(message)), keep=kind != "delete")
 
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
-        """Write one line below the view, and a small table below that. If both are empty, show nothing.
+        """Write one line below the view, and a small table below that line. If both are empty, show nothing.
 
-        The view shows both as text, never as HTML, collapses white space, and truncates strings to `LINE_LENGTH`.
+        Both are shown as text, never as HTML. White space is collapsed, and strings are truncated to `LINE_LENGTH`.
 
         Args:
             text: the text of the line.
@@ -140,7 +140,7 @@ class Scene:
         self._put(LINE, pack_record(Record.LINE, "\n".join(lines).encode("utf-8", "replace")))
 
     def look_at(self, position: Vector, target: Vector) -> None:
-        """Place the camera. If the user has turned a view, that view does not change until the next call.
+        """Place the camera in all views. If the user then turns a view, it stays turned until the next call.
 
         Args:
             position: the camera's position [m].
@@ -153,7 +153,7 @@ class Scene:
         self._put(CAMERA, pack_record(Record.CAMERA, _CAMERA.pack(*position, *target)))
 
     def flush(self) -> None:
-        """Send all changes since the last flush to the attached sinks as one message, if there are any.
+        """If anything has changed since the last flush, send all changes to the attached sinks as one message.
 
         If a sink raises an exception, log it and detach the sink; the other sinks still receive the message.
 
@@ -173,7 +173,7 @@ class Scene:
                 self.detach(sink)
 
     def snapshot(self) -> bytes:
-        """Return the whole scene as one message, which replaces all messages so far.
+        """Return the whole scene as one message, which replaces all earlier messages.
 
         Raises:
             WrongThreadError: this is not the scene's thread.
@@ -184,7 +184,7 @@ class Scene:
         return pack_record(Record.CLEAR, b"") + b"".join(self._kept.values())
 
     def attach(self, sink: Sink) -> None:
-        """Pass every later message to `sink`, which needs a `snapshot` first. Idempotent.
+        """Pass every later message to `sink`, which must receive a `snapshot` first. Idempotent.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

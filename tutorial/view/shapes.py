@@ -1,7 +1,7 @@
 """MuJoCo's geoms as objects for meshcat's viewer, in three.js's JSON format.
 
 This module does not use ``meshcat.geometry``, because it has no capsules, planes or lights, and imports ZMQ, IPython
-and Pillow (0.3 s and a deprecation warning).
+and Pillow, which takes 0.3 s and causes a deprecation warning.
 """
 
 from typing import Any
@@ -83,7 +83,7 @@ def draw_arrow(uuid: str, colour: int) -> Json:
 def draw_axes(uuid: str, name: str, length: float, place: Matrix, label: tuple[float, float, float]) -> Json:
     """Return a frame's axes as the object of a ``set_object`` command: x red, y green and z blue, as in rviz2.
 
-    They are visible through all other objects. The letters of the frame's name have the same apparent size at any
+    The axes are visible through all other objects. The letters of the frame's name have the same apparent size at any
     distance.
 
     Args:
@@ -185,7 +185,7 @@ def _capsule(radius: float, half: float) -> Json:
 
 
 def _lathe(outline: Array) -> Json:
-    """Return the surface of revolution of an outline, (n, 2), about the second axis."""
+    """Return the surface of revolution of an outline of shape (n, 2), about its second axis."""
     points = [{"x": x, "y": y} for x, y in outline.tolist()]
     return {"type": "LatheGeometry", "points": points, "segments": 24, "phiStart": 0.0, "phiLength": 2 * np.pi}
 

@@ -51,14 +51,14 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
     Args:
         scene: the scene to show.
-        port: the port; 0 for any free port, None for the first free port from 7000.
+        port: the port; 0 for any free port, None for the first free port from 7000 upwards.
         title: the title of the page.
 
     Attributes:
         url: the page's address, for instance ``http://127.0.0.1:7000/``.
 
     Raises:
-        TutorialError: the port is in use or not allowed.
+        TutorialError: the port is in use, or the system does not allow it.
     """
 
     def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
@@ -86,7 +86,7 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
 
 def _listen(ports: Sequence[int]) -> socket.socket:
-    """Listen on the first available port, at the loopback address.
+    """Listen on the first available port of the loopback address.
 
     Raises:
         TutorialError: no port is available.
@@ -122,7 +122,7 @@ class _Script(_Protected):
 
 
 class _Files(_Protected, StaticFileHandler):
-    """Serves a file of the page."""
+    """Serves the files that the page loads."""
 
 
 class _Browser(WebSocketHandler):
@@ -150,7 +150,7 @@ class _Browser(WebSocketHandler):
         self.scene.detach(self.show)
 
     def show(self, message: bytes) -> None:
-        """Send a frame. If an earlier frame is still being sent, send the whole scene after it instead."""
+        """Send a frame. If an earlier frame is still being sent, send the whole scene afterwards instead."""
         if self._stream.writing():
             self.is_behind = True
         else:

@@ -43,7 +43,7 @@ def populated(type_name: str, text: str) -> Populated:
     publication.
 
     Args:
-        type_name: its type, such as ``"sensor_msgs/msg/Joy"``, or the short form ``"sensor_msgs/Joy"``.
+        type_name: the message's type, such as ``"sensor_msgs/msg/Joy"``, or the short form ``"sensor_msgs/Joy"``.
         text: the fields' values as YAML: ``"{header: auto, axes: [0.0, 0.5]}"``.
 
     Raises:
@@ -65,7 +65,7 @@ def populated_request(service: Any, text: str) -> Any:
     """Create a request for a service, and fill it with values.
 
     Args:
-        service: the class of the service's type.
+        service: the service's type, a class such as ``std_srvs.srv.SetBool``.
         text: the fields' values as YAML: ``"{data: true}"``.
 
     Raises:
@@ -99,7 +99,7 @@ def _checked(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
 def _filled(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
     """Make a message from a dictionary, and append to ``stampers`` the functions that set its stamps.
 
-    The message itself checks the values. Without a list of stampers, abbreviations for stamps are not accepted.
+    The message's own class checks the values. If ``stampers`` is None, the abbreviations for stamps are not accepted.
     """
     if not isinstance(values, dict):
         raise _no_dictionary(values)
@@ -119,7 +119,7 @@ def _filled(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
 
 
 def _converted(old: Any, field_type: str, value: Any, stampers: list[Stamper] | None) -> Any:
-    """Convert a value to the type of a field's old value; append functions that set stamps in it to ``stampers``."""
+    """Convert a value to the type of a field's old value; append to ``stampers`` the functions that set its stamps."""
     if found := re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type):  # of messages
         element = message_class(f"{found[1]}/msg/{found[2]}")
         return [_filled(element, item, stampers) for item in value]

