@@ -68,7 +68,7 @@ class TopicMeter:
 
         Args:
             message: the message.
-            latency_ns: time from its publication to its callback [ns]; None if unknown.
+            latency_ns: time from the message's publication to its callback [ns]; None if unknown.
         """
         self._last_at = time.monotonic()
         if self.count == 0:
@@ -85,12 +85,12 @@ class TopicMeter:
 
     @property
     def idle(self) -> float:
-        """Time since the last message [s]; infinite before the first."""
+        """Time since the last message [s]; infinite before the first message."""
         return time.monotonic() - self._last_at if self.count else math.inf
 
     @property
     def rate(self) -> float:
-        """Messages per second between the first and the last message [Hz]; 0 before the second."""
+        """Messages per second between the first and the last message [Hz]; 0 until there are two messages."""
         span = self._last_at - self._first_at
         return (self.count - 1) / span if self.count > 1 and span > 0 else 0.0
 
@@ -145,7 +145,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         return endpoint
 
     def _received(self, meter: TopicMeter, call: Call, message: Any, info: dict[str, int]) -> None:
-        """Count a message, call the callback, and record how long the callback took if there is a trace."""
+        """Count a message and call the callback; if there is a trace, record how long the callback takes."""
         meter.add(message, time.time_ns() - info["source_timestamp"])
         with self._trace.receiving(meter.topic) if self._trace is not None else nullcontext():
             call(message, info)
@@ -173,15 +173,15 @@ class SpinThread(Generic[AnyNode]):
     Args:
         node_class: the node's class.
         name: the node's name, unless it is remapped.
-        args: command line arguments; ROS 2 uses those after ``--ros-args``.
+        args: the command line; ROS 2 reads only the arguments after ``--ros-args``.
         executor: the class of the executor.
 
     Attributes:
         node: the node.
-        error: the last exception that a callback raised (even SystemExit); None without exceptions.
+        error: the last exception that a callback raised, including SystemExit; None if no callback has raised one.
         timeout: how long to wait for a running callback when the node is closed [s]; None to wait forever.
         full_name: the node's full name.
-        alive: all instances in this process that are not closed, whatever their node's class.
+        alive: all instances in this process that have not been closed, whatever the class of their nodes.
 
     Raises:
         TutorialError: the loopback interface is down.
@@ -229,7 +229,7 @@ class SpinThread(Generic[AnyNode]):
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Prevent callbacks from running in this context, except for a callback that does not return in time."""
+        """Suspend callbacks during the ``with`` block, except a callback that is still running after the timeout."""
         self._is_stuck = True
         self._unpaused.clear()
         try:
@@ -243,8 +243,8 @@ class SpinThread(Generic[AnyNode]):
     def close(self) -> None:
         """Stop the thread, then shut down the executor, destroy the node and shut down the context. Idempotent.
 
-        If a callback does not return in time, don't wait for it: the node is destroyed when the callback returns, or
-        disappears when the process ends.
+        If a callback does not return in time, stop waiting for it. The node is then destroyed when the callback
+        returns, or disappears when the process ends.
         """
         if self not in self.alive:
             return
@@ -269,8 +269,8 @@ class SpinThread(Generic[AnyNode]):
     def failed(self, error: BaseException) -> None:
         """Store and log an exception that a callback raised; other callbacks continue. Called on the node's thread.
 
-        A repeated failure is logged only occasionally, with a count: messages that no callback can handle may arrive a
-        thousand times per second.
+        If the same failure recurs, it is logged only every few seconds, with the number of recurrences: a callback may
+        fail a thousand times per second.
         """
         self.error = error
         failure, now = traceback.format_exception_only(error), time.monotonic()
@@ -296,24 +296,24 @@ class SpinThread(Generic[AnyNode]):
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:
-    """Return whether a spin failed before any callback because rclpy tried to wait for a destroyed entity.
+    """Return whether a spin failed, before it ran any callback, because rclpy tried to wait for a destroyed entity.
 
     A single failure is harmless: another thread called ``node.destroy_publisher`` after rclpy had listed the node's
-    entities and before it waited for them. Repeated failures mean that an entity's ``destroy`` method was called, so
-    the node still lists the entity.
+    entities, but before rclpy waited for them. Repeated failures mean that the program called an entity's ``destroy``
+    method, which does not remove the entity from the node's list.
     """
     frames = traceback.walk_tb(error.__traceback__)
     return isinstance(error, InvalidHandle) and any(f.f_code.co_name == "add_to_wait_set" for f, _ in frames)
 
 
 class NodeThread(SpinThread[MeteredNode]):
-    """A `MeteredNode` on its own thread; accepts the arguments of both classes."""
+    """A `MeteredNode` on its own thread; see `SpinThread` and `MeteredNode` for the arguments."""
 
     def __init__(self, name: str, args: Sequence[str] | None = None, trace: HandoffTrace | None = None) -> None:
         super().__init__(partial(MeteredNode, trace=trace), name, args)
 
     def namesakes(self) -> int:
-        """Return how many known nodes in the domain have this node's full name, including this one."""
+        """Return the number of known nodes in the domain that have this node's full name, including this node."""
         mine = (self.node.get_name(), self.node.get_namespace())
         try:
             return self.node.get_node_names_and_namespaces().count(mine)

@@ -1,6 +1,7 @@
-"""List, read and set the parameters of other nodes, with the output of ``ros2 param``. Requires a real ROS 2.
+"""List, read and set the parameters of other nodes; return the text that ``ros2 param`` prints.
 
-The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
+Requires a real ROS 2. The node that sends the requests must be spinning on its own thread
+(`tutorial.ros.node_thread.NodeThread`). These functions print nothing.
 """
 
 from collections.abc import Sequence
@@ -40,7 +41,7 @@ async def param_list(node: Node, target: str | None = None) -> str:
     """List the parameters of a node, or of all nodes except hidden ones, like ``ros2 param list``.
 
     Args:
-        node: the node that sends the requests; it must be spinning on another thread.
+        node: a node that spins on another thread and sends the requests.
         target: the name of the node that has the parameters; None for all nodes.
 
     Raises:
@@ -65,7 +66,7 @@ async def param_get(node: Node, target: str, name: str) -> str:
     """Return the value of a parameter, like ``ros2 param get``.
 
     Args:
-        node: the node that sends the requests; it must be spinning on another thread.
+        node: a node that spins on another thread and sends the requests.
         target: the name of the node that has the parameter.
         name: the parameter's name.
 
@@ -83,7 +84,7 @@ async def param_set(node: Node, target: str, name: str, value: str) -> tuple[boo
     """Set a parameter, like ``ros2 param set``.
 
     Args:
-        node: the node that sends the requests; it must be spinning on another thread.
+        node: a node that spins on another thread and sends the requests.
         target: the name of the node that has the parameter.
         name: the parameter's name.
         value: the value in YAML. A number without a decimal point is an integer.
@@ -105,7 +106,7 @@ async def param_describe(node: Node, target: str, names: Sequence[str]) -> str:
     """Describe parameters, like ``ros2 param describe``.
 
     Args:
-        node: the node that sends the requests; it must be spinning on another thread.
+        node: a node that spins on another thread and sends the requests.
         target: the name of the node that has the parameters.
         names: the parameters' names.
 
@@ -120,7 +121,7 @@ async def param_dump(node: Node, target: str) -> str:
     """Return all parameters of a node as YAML for ``--params-file``, like ``ros2 param dump``.
 
     Args:
-        node: the node that sends the requests; it must be spinning on another thread.
+        node: a node that spins on another thread and sends the requests.
         target: the name of the node that has the parameters.
 
     Raises:
@@ -140,7 +141,7 @@ async def param_dump(node: Node, target: str) -> str:
 
 
 async def _find(node: Node, target: str) -> str:
-    """Return a node's full name; wait briefly for the node.
+    """Return a node's full name; wait briefly for the node to appear.
 
     Raises:
         TutorialError: there is no such node, or this process uses the pocket ROS 2.

@@ -1,6 +1,6 @@
-"""The pocket ROS 2: ``rclpy``, ``launch`` and the messages of ROS 2 Jazzy where no ROS 2 is installed.
+"""The pocket ROS 2: ``rclpy``, ``launch`` and the messages of ROS 2 Jazzy for machines without ROS 2.
 
-``import pocket_ros2`` makes them importable, unless a real ``rclpy`` is installed, which takes precedence.
+``import pocket_ros2`` makes these packages importable. If a real ``rclpy`` is installed, it takes precedence.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ PATH = Path(__file__).parent / "packages"
 def install(*, first: bool = False) -> bool:
     """Make rclpy, launch and the message packages importable if no real rclpy is installed.
 
-    A broken real rclpy is not hidden: importing it raises its own error.
+    A broken installation of the real rclpy is not hidden: ``import rclpy`` raises its own error.
 
     Args:
-        first: hide the real rclpy, if it is installed. In this case, call this function before you import anything from
+        first: hide the real rclpy, if it is installed. To hide it, call this function before you import anything from
             ROS 2.
 
     Returns:
@@ -43,7 +43,7 @@ def uninstall() -> bool:
     """Undo `install`, so that the real rclpy can be imported instead.
 
     Returns:
-        Whether this was possible. If a part of the pocket ROS 2 has already been imported, nothing changes.
+        Whether `install` was undone. If a part of the pocket ROS 2 has already been imported, nothing changes.
     """
     if "_rosidl.message" in sys.modules:  # pocket's rclpy also imports this module
         return False
@@ -54,7 +54,7 @@ def uninstall() -> bool:
 
 
 def real_rclpy() -> Path | None:
-    """Return the folder of the rclpy that Python would find without this package, without importing it."""
+    """Return the folder of the real rclpy without importing it, or None if it is not installed."""
     spec = PathFinder.find_spec("rclpy", [entry for entry in sys.path if entry != str(PATH)])
     return None if spec is None or spec.origin is None else Path(spec.origin).parent
 

@@ -40,7 +40,7 @@ class _NotHere(Exception):  # noqa: N818  (a mixin)
 class NeedsRealROSError(_NotHere, ModuleNotFoundError):
     """Raised for anything that the pocket ROS 2 does not have.
 
-    Most programs encounter it on an import, where they expect a ModuleNotFoundError.
+    Most programs get this error from an import, so it is also a ModuleNotFoundError.
     """
 
     __module__ = "rclpy.exceptions"  # programs import this exception from rclpy.exceptions
@@ -55,10 +55,10 @@ class AbsentAttributeError(_NotHere, AttributeError):
 class AbsentModules(MetaPathFinder):
     """Rejects imports of modules that only a real ROS 2 has.
 
-    Insert it at the end of ``sys.meta_path``. It never hides a module that another finder finds.
+    Append an instance to ``sys.meta_path``. It never hides a module that another finder finds.
 
     Args:
-        names: full names of the modules.
+        names: full names of the modules to reject.
         interfaces: also reject packages whose names look like those of message packages.
     """
 
@@ -112,5 +112,5 @@ def _hint(name: str) -> str:
 
 
 def _is_import(caller: FrameType) -> bool:
-    """Return whether the caller is an import. `importlib.util.find_spec` also calls finders, and should get None."""
+    """Return whether the caller is an import. `importlib.util.find_spec` also calls finders, but expects no error."""
     return caller.f_back is not None and caller.f_back.f_code.co_name == "_find_and_load_unlocked"

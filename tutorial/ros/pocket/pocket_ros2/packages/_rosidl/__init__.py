@@ -1,1 +1,1 @@
-"""Message classes, made from recorded definitions on import; ROS 2 generates them at build time (rosidl)."""
+"""Message classes, created from recorded definitions on import; in ROS 2, rosidl generates them at build time."""

@@ -1,7 +1,7 @@
 """Decode messages from CDR bytes.
 
 The first use of a message type compiles a decoder for it. Each field becomes one line of code, which stores the value
-directly in the message's slot. The code compares a length with the available bytes before it allocates memory.
+directly in the message's slot. Before the code allocates memory, it checks that enough bytes are available.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def numbers(data: memoryview, at: int, code: str, count: int) -> tuple[array[Any
 
 @cache
 def _decoder(type_name: str, order: str) -> Callable[[memoryview, int], tuple[Message, int]]:
-    """Return a function that reads a message of a type, and returns it with the offset at which it ends."""
+    """Return a function that reads a message of the type and returns the message and the offset at which it ends."""
     fields = definition(type_name).wire_fields
     names: dict[str, Any] = {**globals(), "Type": message_class(type_name), "new": object.__new__}
     names |= {f"unpack_{base}": Struct(order + code).unpack_from for base, code in CODES.items()}

@@ -1,4 +1,4 @@
-"""The checks of ROS 2's message classes, with their error messages."""
+"""Check values as ROS 2's message classes do, with the same error messages."""
 
 from collections import UserString
 from collections.abc import Callable, Iterator, Sequence, Set
@@ -18,7 +18,7 @@ def checker(field: Field, element: type) -> Callable[[Any], None]:
 
     Args:
         field: the field.
-        element: the message class or Python type of its values.
+        element: the message class or Python type of the field's values.
     """
     checks = list(_one(field, element) if field.cardinality is Cardinality.SCALAR else [_many(field, element)])
     kept = container(field)
@@ -70,7 +70,7 @@ def _many(field: Field, element: type) -> Check:
 
 
 def _kept(field: Field, kept: Container) -> Iterator[Check]:
-    """Yield the checks for a value in the container that the field uses, which can hold only valid numbers."""
+    """Yield the checks for a value that is already in the field's container, so its numbers are valid."""
     default = kept.default()
     if isinstance(default, np.ndarray):
         dtype = default.dtype

@@ -1,8 +1,8 @@
 """Definitions of the messages in ROS 2 Jazzy's common interfaces.
 
-They are in ``jazzy.json``, which the tests' ``support/record_definitions.py`` writes from rosbags' store. Reading the
-store directly would take 0.1 s in every program, because the store creates the classes of all distributions up to
-Jazzy.
+The definitions are in ``jazzy.json``, which the tests' ``support/record_definitions.py`` generates from the type store
+of the package rosbags. Loading the type store itself would take 0.1 s in every program, because it creates the message
+classes of all ROS 2 distributions up to Jazzy.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 
 
 class Cardinality(Enum):
-    """How many values a field holds. In the common interfaces, only numeric fields have a fixed size."""
+    """How many values a field holds. In the common interfaces, only arrays of numbers have a fixed length."""
 
     SCALAR = "one"
     ARRAY = "a fixed number"
@@ -39,9 +39,9 @@ class Field:
     """One field of a message.
 
     Attributes:
-        name: its name in the .msg file.
+        name: the field's name in the .msg file.
         base: a primitive such as ``"float64"``, or a message such as ``"std_msgs/msg/Header"``.
-        cardinality: one value, a fixed number, or any number.
+        cardinality: whether the field holds one value, a fixed number of values, or any number of values.
         size: length of an array, or maximum length of a sequence (0: unbounded).
         string_bound: maximum length of a string (0: unbounded).
     """
@@ -59,12 +59,12 @@ class Field:
 
     @property
     def is_octet_array(self) -> bool:
-        """Whether the field is a fixed number of uint8 values: a numpy array in programs, bytes on the wire."""
+        """Whether the field is a fixed-size array of uint8: a numpy array in programs, but bytes on the wire."""
         return self.cardinality is Cardinality.ARRAY and self.base == "uint8"
 
     @property
     def wire_attribute(self) -> str:
-        """Name of the attribute that holds the field as Cyclone DDS needs it for encoding."""
+        """Name of the attribute that holds the field's value in the form that Cyclone DDS can encode."""
         return f"_{self.name}_octets" if self.is_octet_array else self.name
 
 
@@ -78,7 +78,7 @@ class Definition:
 
     @property
     def fields(self) -> tuple[Field, ...]:
-        """The fields that a program sees."""
+        """All fields except the placeholder in an empty message, which the message class omits."""
         return tuple(field for field in self.wire_fields if field.name != EMPTY_STRUCTURE_MEMBER)
 
 
@@ -87,7 +87,7 @@ def definition(type_name: str) -> Definition:
     """Look up a message type.
 
     Args:
-        type_name: its name, such as ``"sensor_msgs/msg/Joy"``.
+        type_name: the type's name, such as ``"sensor_msgs/msg/Joy"``.
 
     Raises:
         KeyError: ROS 2 Jazzy's common interfaces have no such message.
@@ -108,7 +108,7 @@ def type_hash(type_name: str) -> str:
 
 @cache
 def type_names() -> dict[str, tuple[str, ...]]:
-    """Return the names of all messages by package: ``{"sensor_msgs": ("BatteryState", ...), ...}``."""
+    """Return the names of all messages, grouped by package: ``{"sensor_msgs": ("BatteryState", ...), ...}``."""
     packages: dict[str, list[str]] = {}
     for type_name in _recorded():
         package, _, name = type_name.split("/")

@@ -20,7 +20,7 @@ definitions."""
 
 
 def install() -> None:
-    """Add the finder to the import system, once, before all other finders: this rclpy can send only these messages."""
+    """Install the finder before all others, because this rclpy can send only the finder's messages. Idempotent."""
     if not any(isinstance(finder, InterfaceFinder) for finder in sys.meta_path):
         sys.meta_path.insert(0, InterfaceFinder())
 
@@ -44,11 +44,11 @@ class InterfaceFinder(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=len(rest) < 2)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """Create the module; a ``msg`` module makes its messages on demand."""
+        """Create the module; a ``msg`` module creates its message classes on demand."""
         return MessagesModule(spec.name) if spec.name.endswith(".msg") else None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Add the class to the module of a single message."""
+        """If the module is for a single message, add the message's class to the module."""
         package, *rest = module.__name__.split(".")
         if len(rest) == 2:
             from _rosidl.message import make_message_class  # noqa: PLC0415  (`import tutorial` needs no numpy)
@@ -76,7 +76,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Raise an error that suggests a message with a similar name. Otherwise, Python raises its own error."""
+    """Raise an error that suggests a message with a similar name. If there is none, let Python raise its own error."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"
@@ -84,13 +84,13 @@ def _suggest(name: str, package: str, known: Iterable[str]) -> None:
 
 
 def _message_names(package: str) -> dict[str, str]:
-    """Return the package's messages by module name: ``{"_joint_state": "JointState", ...}``."""
+    """Return the names of the package's messages, keyed by module name: ``{"_joint_state": "JointState", ...}``."""
     from _rosidl.definitions import type_names  # noqa: PLC0415  (as above)
 
     return {_module_name(name): name for name in type_names().get(package, ())}
 
 
 def _module_name(name: str) -> str:
-    """Convert a message's name as rosidl does: ``JointState`` to ``_joint_state``."""
+    """Convert a message's name to its module's name, as rosidl does: ``JointState`` to ``_joint_state``."""
     name = re.sub("(.)([A-Z][a-z]+)", r"\1_\2", name)
     return "_" + re.sub("([a-z0-9])([A-Z])", r"\1_\2", name).lower()

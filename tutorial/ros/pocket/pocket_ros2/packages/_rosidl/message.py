@@ -21,13 +21,13 @@ DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0, ("sensor_msgs/msg/NavSat
 
 
 class Slot(NamedTuple):
-    """A field, as its message class uses it.
+    """A message class's record of one of its fields.
 
     Attributes:
         name: the field's name.
-        size: length of an array; 0 for any other field.
+        size: length of the field's array; 0 if the field is not an array.
         default: returns the field's default value.
-        contain: converts a constructor argument to the container that is stored; None to store it unchanged.
+        contain: converts a constructor argument to the container to store; None to store the argument unchanged.
         store: stores a value in a message's slot.
     """
 
@@ -41,7 +41,7 @@ class Slot(NamedTuple):
 class Message:  # noqa: PLW1641  (mutable, so without a hash)
     """Base class of all messages.
 
-    A message's fields are properties over ``__slots__``, so assigning to a misspelled field raises an AttributeError.
+    A message has ``__slots__`` and no ``__dict__``, so assigning to a misspelled field raises an AttributeError.
     As in ROS 2 Jazzy, values are checked only on request, because checking every value takes time.
 
     Args:
@@ -49,7 +49,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
         **fields: values of fields; omitted fields get their default values.
 
     Raises:
-        AssertionError: an array has the wrong length. This is always checked.
+        AssertionError: an array has the wrong length, or ``check_fields`` is true and an argument is invalid.
     """
 
     __slots__ = ()
@@ -75,7 +75,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Return the fields' types by name: ``{"header": "std_msgs/Header", ...}``."""
+        """Return the fields' types, keyed by field name: ``{"header": "std_msgs/Header", ...}``."""
         return dict(cls._fields_and_field_types)
 
     def __repr__(self) -> str:
@@ -94,18 +94,18 @@ def message_class(type_name: str) -> type[Message]:
     """Return the class of a message type. The class is imported, so that each type has only one class.
 
     Args:
-        type_name: its name, such as ``"sensor_msgs/msg/Joy"``.
+        type_name: the type's name, such as ``"sensor_msgs/msg/Joy"``.
     """
     package, _, name = type_name.split("/")
     return cast(type[Message], getattr(import_module(f"{package}.msg"), name))
 
 
 def make_message_class(type_name: str, module: str) -> type[Message]:
-    """Make the class of a message type.
+    """Create the class of a message type.
 
     Args:
-        type_name: its name, such as ``"sensor_msgs/msg/Joy"``.
-        module: the name of its module.
+        type_name: the type's name, such as ``"sensor_msgs/msg/Joy"``.
+        module: the name of the module that will contain the class.
     """
     message = definition(type_name)
     name = type_name.rpartition("/")[2]
@@ -125,7 +125,7 @@ def make_message_class(type_name: str, module: str) -> type[Message]:
 
 
 def _add_field(cls: type[Message], field: Field) -> Slot:
-    """Add a property for the field to the class, and return its slot."""
+    """Add a property for the field to the message class, and return the field's slot."""
     element = message_class(field.base) if field.is_message else PRIMITIVES[field.base].python
     kept = container(field)
     check = checker(field, element)

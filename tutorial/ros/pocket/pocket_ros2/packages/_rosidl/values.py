@@ -17,9 +17,10 @@ class Primitive(NamedTuple):
     """A primitive type of ROS 2's interface definitions.
 
     Attributes:
-        idl: its name in IDL, which ``get_fields_and_field_types()`` returns.
+        idl: the type's name in IDL, as returned by ``get_fields_and_field_types()``.
         python: the Python type of a value.
-        code: the type code of ``array.array`` for sequences and of the dtype for arrays; "" if the type is not numeric.
+        code: the type code for ``array.array`` (sequences) and for numpy's dtype (arrays); "" if the type is not
+            numeric.
         limits: minimum and maximum of a number.
     """
 
@@ -34,7 +35,7 @@ class Primitive(NamedTuple):
         return self.idl if self.python is float else "integer" if self.limits[0] else "unsigned integer"
 
     def holds(self, number: Any) -> bool:
-        """Return whether a number is within the limits, infinite or NaN."""
+        """Return whether a number is within the limits, or is infinite or NaN."""
         return not (number < self.limits[0] or number > self.limits[1]) or number in (math.inf, -math.inf)
 
 
@@ -51,11 +52,11 @@ for bits, code in (8, "b"), (16, "h"), (32, "i"), (64, "q"):
 
 
 class Container(NamedTuple):
-    """The container of a field that holds several numbers.
+    """The container in which a field stores several numbers.
 
     Attributes:
         kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number of values.
-        make: converts values to the container; a container is copied.
+        make: puts values into a new container, even if they are already in a container.
         default: returns an empty container or a container of zeros.
     """
 
@@ -65,7 +66,7 @@ class Container(NamedTuple):
 
 
 def field_type(field: Field) -> str:
-    """Write a field's type as ROS 2 does: ``"double[9]"``, ``"sequence<string>"``, ``"std_msgs/Header"``."""
+    """Return a field's type as ROS 2 writes it: ``"double[9]"``, ``"sequence<string>"``, ``"std_msgs/Header"``."""
     text = field.base.replace("/msg/", "/") if field.is_message else PRIMITIVES[field.base].idl
     if field.string_bound:
         text += f"<{field.string_bound}>"
@@ -77,7 +78,7 @@ def field_type(field: Field) -> str:
 
 
 def number_type(field: Field) -> Primitive | None:
-    """Return the type of the field's numbers, or None if it holds something else."""
+    """Return the type of the field's numbers, or None if the field does not hold numbers."""
     primitive = PRIMITIVES.get(field.base)
     return primitive if primitive and primitive.code else None
 
@@ -98,7 +99,7 @@ def default_factory(field: Field, element: type) -> Callable[[], Any]:
 
     Args:
         field: the field.
-        element: the message class or Python type of its values.
+        element: the message class or Python type of the field's values.
     """
     if kept := container(field):
         return kept.default

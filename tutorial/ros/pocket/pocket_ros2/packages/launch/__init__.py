@@ -1,7 +1,7 @@
-"""The part of ROS 2 launch that the tutorial's launch files use: a list of processes, as data.
+"""The part of ROS 2 launch that the tutorial's launch files use: a list of processes to start.
 
-The same launch file works with and without a real ROS 2: ``ros2 launch`` reads it with the real package, and the
-tutorial's launcher reads it with this package.
+The same launch file works with and without a real ROS 2: ``ros2 launch`` loads the file with the real package, and
+the tutorial's launcher loads the file with this package.
 """
 
 from collections.abc import Iterable

@@ -12,13 +12,13 @@ __getattr__ = absent_names(__name__, TABLE["names"][__name__])
 
 @dataclass(kw_only=True, eq=False)
 class ExecuteProcess:
-    """A process to start, with the keywords of ROS 2 launch.
+    """A process to start, described with the same keywords as in ROS 2 launch.
 
     Attributes:
         cmd: the program and its arguments.
         name: the process's name in the output.
         cwd: the directory in which to start the process.
-        env: the complete environment; None inherits the launcher's environment.
+        env: the complete environment; None to inherit the launcher's environment.
         additional_env: variables to add to the environment.
         output: where the process's output goes, such as ``"screen"``.
         shell: run the command in a shell.

@@ -1,7 +1,7 @@
-"""The pocket ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, on Cyclone DDS.
+"""The pocket ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, built on Cyclone DDS.
 
-It communicates with programs that use a real ROS 2: topic names, types, quality of service and node graph are the same.
-Any use of a missing part raises ``rclpy.exceptions.NeedsRealROSError``.
+It can communicate with programs that use a real ROS 2, because the topic names, the types, the quality of service and
+the node graph are the same. Any use of a missing part raises ``rclpy.exceptions.NeedsRealROSError``.
 """
 
 from collections.abc import Iterator, Sequence
@@ -39,11 +39,11 @@ def init(
     """Start ROS 2.
 
     Args:
-        args: the command line; None uses ``sys.argv``.
-        context: the context to start; None uses the default context.
-        domain_id: the DDS domain; None uses ``ROS_DOMAIN_ID``, or 0 if that is not set.
-        signal_handler_options: signals that shut ROS 2 down; None means all of them if the context is the default
-            context.
+        args: the command line; None means ``sys.argv``.
+        context: the context to start; None means the default context.
+        domain_id: the DDS domain; by default, the value of ``ROS_DOMAIN_ID``, or 0 if the variable is not set.
+        signal_handler_options: the signals that shut ROS 2 down; None means all of them for the default context, and
+            no signals for any other context.
 
     Raises:
         RuntimeError: the context has already been started.
@@ -56,7 +56,7 @@ def init(
 
 
 def get_global_executor() -> Executor:
-    """Return the default executor."""
+    """Return the global executor."""
     global _executor  # noqa: PLW0603
     with _lock:
         if _executor is None:
@@ -68,8 +68,8 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     """Shut ROS 2 down.
 
     Args:
-        context: the context to shut down; None uses the default context.
-        uninstall_handlers: restore the previous signal handlers; None restores them for the default context.
+        context: the context to shut down; None means the default context.
+        uninstall_handlers: restore the previous signal handlers; None to restore them only for the default context.
 
     Raises:
         RuntimeError: the context has not been started, or has been shut down.
@@ -92,19 +92,19 @@ def spin(node: Node, executor: Executor | None = None) -> None:
 
     Args:
         node: the node.
-        executor: the executor to use; None uses the global executor.
+        executor: the executor to use; None means the global executor.
     """
     with _running(node, executor) as running:
         running.spin()
 
 
 def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
-    """Run one of a node's callbacks, waiting for one if necessary.
+    """Run one of a node's callbacks; if none is ready, wait for one.
 
     Args:
         node: the node.
-        executor: the executor to use; None uses the global executor.
-        timeout_sec: how long to wait [s]; None or a negative number waits forever.
+        executor: the executor to use; None means the global executor.
+        timeout_sec: how long to wait [s]; None or a negative number to wait forever.
     """
     with _running(node, executor) as running:
         running.spin_once(timeout_sec=timeout_sec)
@@ -118,8 +118,8 @@ def spin_until_future_complete(
     Args:
         node: the node.
         future: the future.
-        executor: the executor to use; None uses the global executor.
-        timeout_sec: how long to wait [s]; None or a negative number waits forever.
+        executor: the executor to use; None means the global executor.
+        timeout_sec: how long to wait [s]; None or a negative number to wait forever.
     """
     with _running(node, executor) as running:
         running.spin_until_future_complete(future, timeout_sec)
@@ -136,7 +136,7 @@ def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
 
 
 def _end(shut_down: Any, context: Context | None, uninstall_handlers: bool | None) -> None:
-    """Shut down the global executor, then the context. Don't wait for callbacks: the caller may be a callback."""
+    """Shut down the global executor, then the context. Don't wait for running callbacks: one may be the caller."""
     global _executor  # noqa: PLW0603
     default = context is None or context is get_default_context()
     with _lock:

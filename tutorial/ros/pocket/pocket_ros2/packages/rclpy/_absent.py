@@ -15,7 +15,7 @@ TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="u
 
 
 def install() -> None:
-    """Start rejecting all names in the table."""
+    """Start rejecting uses of the names in the table."""
     sys.meta_path.append(AbsentModules([f"rclpy.{name}" for name in TABLE["modules"]]))
     for owner, names in TABLE["attributes"].items():
         place = resolve_name(owner)
@@ -40,11 +40,11 @@ class AbsentAttribute:
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
-    """Reject options of a call that only the real rclpy has.
+    """Reject options that a function has only in the real rclpy.
 
     Raises:
-        NeedsRealROSError: such an option is used.
-        TypeError: the real rclpy does not have the option either.
+        NeedsRealROSError: one of these options is used.
+        TypeError: an option does not exist in the real rclpy either.
     """
     for option, value in options.items():
         if option not in TABLE["options"][function]:

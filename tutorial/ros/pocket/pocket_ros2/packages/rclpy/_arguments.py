@@ -45,9 +45,9 @@ class Arguments:
     Attributes:
         remappings: the remapping rules in the given order; the first rule that matches applies.
         parameters: the parameter rules in the given order; the last rule that matches applies.
-        log_levels: severities by logger name; "" gives the default for all loggers.
+        log_levels: severities, keyed by logger name; the key "" holds the default for all loggers.
         disabled_logs: outputs that receive no log lines, such as ``"rosout"`` and ``"stdout"``.
-        log_configuration: path of a file that configures logging, which Jazzy cannot read; "" if not given.
+        log_configuration: path of a logging configuration file, which Jazzy cannot read; "" if not given.
         enclave: the security enclave's name.
     """
 
@@ -80,7 +80,7 @@ class Arguments:
         return arguments
 
     def node_value(self, node: str, name: str) -> str | None:
-        """Return the new value of a node's ``__node`` or ``__ns``, or None if it is not remapped."""
+        """Return the value to which a node's ``__node`` or ``__ns`` is remapped, or None if no rule remaps it."""
         names = (name, "__name") if name == "__node" else (name,)
         return next((rule.value for rule in self.remappings if rule.node in ("", node) and rule.name in names), None)
 
@@ -89,8 +89,8 @@ class Arguments:
 
         Args:
             full_name: the topic's full name.
-            node: name of the node that uses it.
-            namespace: the node's namespace; relative names in rules are relative to it.
+            node: name of the node that uses the topic.
+            namespace: the node's namespace, in which relative names in rules are expanded.
         """
         for rule in self.remappings:
             meant = rule.node in ("", node) and not rule.name.startswith("__")
@@ -103,7 +103,7 @@ class Arguments:
         return ((rule.name, rule.value) for rule in self.parameters if rule.node in ("", node))
 
     def check_enclave(self) -> None:
-        """Check the enclave's name, which has no other effect here.
+        """Check that the enclave's name is valid; the pocket ROS 2 does nothing else with the name.
 
         Raises:
             RCLError: the name breaks the naming rules.

@@ -1,4 +1,4 @@
-"""The middleware on Cyclone DDS, which implements `rclpy._transport`."""
+"""The middleware: an implementation of `rclpy._transport` on Cyclone DDS."""
 
 import ctypes
 import os
@@ -61,8 +61,8 @@ _forked = False
 class Payload:
     """CDR bytes that pass into or out of Cyclone DDS, which handles this class like one of its structs.
 
-    A received message is therefore decoded only where it is needed, on any thread, and a malformed message does not
-    affect later messages.
+    A received message is therefore decoded only when it is needed, on whichever thread needs it, and a malformed
+    message does not affect later messages.
     """
 
     __slots__ = ("data", "sample_info")
@@ -104,7 +104,7 @@ def to_dds(profile: QoSProfile, type_name: str, *, writer: bool) -> Qos:
 
     Args:
         profile: the requested QoS.
-        type_name: the message type; its hash is announced with the endpoint.
+        type_name: the message type, whose hash is announced with the endpoint.
         writer: whether the policies are for a writer.
 
     Raises:
@@ -224,7 +224,7 @@ class Reader(_Endpoint):
 class Waiter:
     """Implements `rclpy._transport.Waiter`.
 
-    It calls C, because the wait set of Cyclone DDS's Python package does not return which entities are ready.
+    It calls C, because the wait set of Cyclone DDS's Python package does not report which entities are ready.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
@@ -321,11 +321,13 @@ class Participant:
         return [*filter(None, self._listed(topic, read))]
 
     def leave(self) -> None:
-        """Close the participant and its entities. If it is the last in the process, also free ports and threads.
+        """Close the participant and its entities.
 
-        Don't delete its entities first. Cyclone DDS's Python package frees a message type when its last topic is
-        deleted. However, a domain reads the type of its first message, an announcement of nodes, until the domain
-        itself is deleted (``serdata_eqkey`` in its C code). A participant deletes its topics last.
+        If this process has no other participant in the domain, also free the domain's ports and threads.
+
+        Don't delete the participant's entities first. Cyclone DDS's Python package frees a message type when the last
+        topic of this type is deleted. However, a domain reads the type of its first message, an announcement of nodes,
+        until the domain itself is deleted (``serdata_eqkey`` in its C code). A participant deletes its topics last.
         """
         with lock:
             close(self.dds)
@@ -336,9 +338,9 @@ class Participant:
         """Return the result of ``read`` for each entry on one of Cyclone DDS's built-in topics.
 
         Cyclone DDS only lends the entries, so ``read`` must not store them. The reader exists only during the call,
-        because deleted endpoints would accumulate in it. The lock allows one call at a time in the whole process,
-        partly because cyclonedds stores the policies that it is converting in class variables. cyclonedds's ``read``
-        function would convert the policies of all entries, and replace Ctrl-C with a different exception.
+        because deleted endpoints would accumulate in a permanent reader. The lock allows one call at a time in the
+        whole process, partly because cyclonedds uses class variables while it converts policies. The package's own
+        ``read`` would convert the policies of all entries, and turn a KeyboardInterrupt into a different exception.
         """
         entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
         dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()
@@ -354,11 +356,11 @@ class Participant:
 
 
 def join(domain_id: int) -> Participant:
-    """Join a domain. All participants of a process share its configuration and ports.
+    """Join a domain. All of this process's participants in the domain share the configuration and the ports.
 
     Raises:
-        RCLError: too many processes on this machine have joined, the loopback interface is down, Cyclone DDS cannot
-            start, or this process was forked from a process that had joined.
+        RCLError: too many processes on this machine have joined the domain, the loopback interface is down, Cyclone DDS
+            cannot start, or this process was forked from a process that had joined a domain.
         RuntimeError: the installed version of cyclonedds is not the verified version.
     """
     _check_version()
@@ -419,7 +421,7 @@ def close(entity: core.Entity) -> None:
     """Delete an entity now.
 
     Cyclone DDS's Python objects delete the entity in their finaliser, which can safely run early and more than once.
-    Without this call, the finaliser would run only once the last reference is gone.
+    Without this call, the finaliser would not run until the last reference to the object was gone.
     """
     with lock:
         entity.__del__()
@@ -448,12 +450,12 @@ def _guid(entry: Any) -> bytes:
 
 
 def _userdata(qos: Qos) -> bytes:
-    """Return the user data of a participant or endpoint: its enclave, or the hash of its type."""
+    """Return the user data: the enclave of a participant, or the hash of an endpoint's message type."""
     return bytes(qos[Policy.Userdata].data) if Policy.Userdata in qos else b""
 
 
 def _forget() -> None:
-    """Drop all DDS entities in a newly forked process, without calling DDS, which would wait for missing threads."""
+    """Drop all DDS entities in a newly forked process. Don't call DDS: it would wait for threads that don't exist."""
     global _forked  # noqa: PLW0603
     _forked = _forked or bool(_domains)
     for entity in list(core.Entity._entities.values()):

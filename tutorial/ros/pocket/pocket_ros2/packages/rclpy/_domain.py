@@ -1,4 +1,4 @@
-"""The DDS domain to join, with limits on who can discover this process.
+"""The DDS domain to join, and limits on who can discover this process.
 
 By default, nobody outside this machine can discover the process, so that students in one room don't drive each other's
 tanks.
@@ -28,7 +28,7 @@ that the child inherits no half-created entity."""
 
 
 def default_domain_id() -> int:
-    """Return the domain in ``ROS_DOMAIN_ID``, or 0 if it is not set.
+    """Return the domain ID in ``ROS_DOMAIN_ID``, or 0 if the variable is not set.
 
     Raises:
         RCLError: ``ROS_DOMAIN_ID`` is not a number from 0 to 232.
@@ -42,11 +42,11 @@ def default_domain_id() -> int:
 
 
 def configuration() -> str:
-    """Return Cyclone DDS's configuration for the discovery range in the environment.
+    """Return Cyclone DDS's configuration for the discovery range that is set in the environment.
 
     ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here), SUBNET or SYSTEM_DEFAULT, which leaves
-    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. ``CYCLONEDDS_URI`` is
-    added to this configuration, as when ROS 2 uses Cyclone DDS.
+    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. The configuration in
+    ``CYCLONEDDS_URI`` is added to this one, as in a real ROS 2 that uses Cyclone DDS.
 
     Raises:
         RCLError: the range is not one of these values, or a peer cannot be found.
@@ -91,7 +91,7 @@ def _discovery(reach: str, peers: list[str]) -> str:
 
 
 def likely_cause(error: Exception) -> str:
-    """Return the most likely cause of an error in joining the domain: Cyclone DDS itself returns only a number."""
+    """Return the most likely cause of a failure to join the domain: Cyclone DDS itself returns only a number."""
     if not _loopback_is_up():
         return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (

@@ -1,4 +1,4 @@
-"""The common base of publishers and subscriptions: an endpoint on the wire."""
+"""The common base class of publishers and subscriptions."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 
 class Endpoint(Destroyable):
-    """Base class of :class:`Publisher` and :class:`Subscription`; can be used from any thread.
+    """Base class of :class:`Publisher` and :class:`Subscription`; its methods can be called from any thread.
 
     Args:
         node: the endpoint's node.
         msg_type: the class of its messages.
-        topic: the topic's name, as the program gives it.
+        topic: the topic's name as the program gives it, neither expanded nor remapped.
         qos_profile: its QoS.
 
     Attributes:
-        guid: its identifier on the wire.
+        guid: the endpoint's identifier on the wire.
     """
 
     _noun: str
@@ -75,7 +75,7 @@ class Endpoint(Destroyable):
         self._wire.close()
 
     def report_events(self) -> None:
-        """Log an incompatible partner. Called by the executor."""
+        """Log a warning about an incompatible partner, if there is one. Called by the executor."""
         with suppress(TransportError):  # the endpoint may be destroyed in the meantime
             if not (policy := self._wire.take_incompatible()):
                 return
@@ -86,7 +86,7 @@ class Endpoint(Destroyable):
             self._node.get_logger().warning(text)
 
     def _count_matched(self, what: str) -> int:
-        """Return the number of matched partners; an error message calls them ``what``."""
+        """Return the number of matched partners; ``what`` is the word for them in an error message."""
         self._require_handle()
         try:
             return self._wire.count_matched()

@@ -8,7 +8,8 @@ def explicit(profile: QoSProfile, *, writer: bool) -> QoSProfile:
     """Return the policies of a writer or reader, with the system's defaults replaced by their values.
 
     Args:
-        profile: the requested QoS; "best available" means the strongest policy for a writer, the weakest for a reader.
+        profile: the requested QoS; "best available" means the strongest policy for a writer and the weakest
+            for a reader.
         writer: whether the policies are for a writer.
 
     Raises:
@@ -33,5 +34,5 @@ def explicit(profile: QoSProfile, *, writer: bool) -> QoSProfile:
 
 
 def _span(duration: Duration) -> Duration:
-    """Return a duration as sent on the wire; 0 and "best available" mean no limit."""
+    """Return a duration as it is sent on the wire; 0 and "best available" mean no limit."""
     return duration if 0 < duration.nanoseconds < Infinite.nanoseconds - 1 else Infinite

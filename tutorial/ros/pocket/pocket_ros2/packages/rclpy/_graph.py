@@ -1,7 +1,7 @@
 """The node graph: nodes, and the publishers and subscriptions on topics.
 
-DDS knows participants, writers and readers, but not nodes. In ROS 2, every participant publishes its nodes and their
-endpoints on the topic ``ros_discovery_info``, and repeats the whole list on each change.
+DDS has participants, writers and readers, but no nodes. In ROS 2, every participant publishes a list of its nodes and
+their endpoints on the topic ``ros_discovery_info``, and publishes the whole list again after each change.
 """
 
 from collections.abc import Iterable
@@ -27,7 +27,7 @@ READER_PROFILE = QoSProfile(history=HistoryPolicy.KEEP_ALL, durability=Durabilit
 
 
 class Graph:
-    """The node graph as seen from one participant; can be used from any thread.
+    """The node graph as seen from one participant; its methods can be called from any thread.
 
     Args:
         participant: the participant.
@@ -48,7 +48,7 @@ class Graph:
         self.changes = participant.create_reader(TOPIC, TYPE_NAME, READER_PROFILE, ignore_own=True)
 
     def add_node(self, namespace: str, name: str) -> NodeInfo:
-        """Announce a node of this process, and return the entry that represents it in the other methods."""
+        """Announce a node of this process, and return the entry that represents the node in the other methods."""
         node = NodeInfo(namespace, name)
         with lock:
             self._local.append(node)
@@ -87,9 +87,11 @@ class Graph:
         return {guid: node for node in self.nodes() for guid in (*node.writers, *node.readers)}
 
     def is_complete(self) -> bool:
-        """Return whether all discovered ROS 2 programs have announced their nodes, and all endpoints are discovered.
+        """Return whether the graph is complete.
 
-        Discovery finds the programs first. With Fast DDS, their nodes may be announced only seconds later.
+        It is complete when every discovered ROS 2 program has announced its nodes, and every announced endpoint has
+        been discovered. A program is discovered before its nodes. With Fast DDS, the program may announce its nodes
+        only seconds later.
         """
         with lock:
             owned, announced = self.owners().keys(), {self.participant.guid, *self._remote}
@@ -98,10 +100,10 @@ class Graph:
             return not self._unread and not unknown and owned <= found
 
     def listen(self) -> None:
-        """Receive new announcements, and drop participants that have left: a killed process announces nothing.
+        """Receive new announcements, and drop participants that have left: a killed process does not announce its end.
 
-        The executor calls this regularly, because announcements would accumulate in a program that never queries the
-        graph. Only a query decodes them, and only the newest one of each participant.
+        The executor calls this method regularly, because announcements would accumulate in a program that never queries
+        the graph. Announcements are decoded only by a query, which decodes only the newest one from each participant.
         """
         with lock:
             self.changes.take_incompatible()  # otherwise, this status would wake the executor repeatedly

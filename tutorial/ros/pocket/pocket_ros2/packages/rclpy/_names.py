@@ -21,7 +21,7 @@ NODE_NAME, TOPIC_NAME, FULL_TOPIC_NAME, NAMESPACE = RULES.values()
 
 
 def problem(rules: Rules, name: str) -> tuple[str, int] | None:
-    """Return the error in a name and the error's index, or None if the name is valid."""
+    """Return the error message for a name and the index of the error, or None if the name is valid."""
     for group in rules:
         matches = ((re.search(pattern, name, re.DOTALL), text) for pattern, text in group)
         if found := [(match.start(1), text) for match, text in matches if match]:
@@ -37,7 +37,7 @@ def _valid(rules: Rules, name: str, error: Callable[[str, str, int], Exception])
 
 
 def validate_node_name(node_name: str) -> bool:
-    """Return True if a node's name, without namespace, is valid; otherwise raise InvalidNodeNameException."""
+    """Return True if a node's name, without its namespace, is valid; otherwise raise InvalidNodeNameException."""
     return _valid(NODE_NAME, node_name, InvalidNodeNameException)
 
 
@@ -47,11 +47,11 @@ def validate_namespace(namespace: str) -> bool:
 
 
 def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """Return True if a topic's name is valid, whether relative, absolute or private.
+    """Return True if a topic's relative, absolute or private name is valid.
 
     Args:
         name: the topic's name.
-        is_service: whether this is the name of a service. The rules are the same.
+        is_service: whether this is the name of a service, to which the same rules apply.
 
     Raises:
         InvalidTopicNameException: the name breaks the naming rules.
@@ -66,12 +66,12 @@ def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
-    """Expand a topic's name for a node.
+    """Expand the name that a node uses for a topic into the topic's full name.
 
     Args:
         topic_name: relative to the namespace (``"joy"``), absolute (``"/joy"``) or private to the node (``"~/joy"``).
-        node_name: name of the node that uses it.
-        node_namespace: the node's namespace; absolute, such as ``"/"`` or ``"/Tank"``.
+        node_name: name of the node that uses the topic.
+        node_namespace: the node's absolute namespace, such as ``"/"`` or ``"/Tank"``.
 
     Raises:
         ValueError: a name or the namespace breaks the naming rules.

@@ -18,7 +18,7 @@ Answer = TypeVar("Answer")
 
 
 class NodeGraph(NodeNames):
-    """The part of a node that handles the node graph. Its methods raise InvalidHandle once the node is destroyed."""
+    """The part of a node that queries the node graph. Its methods raise InvalidHandle once the node is destroyed."""
 
     _context: Context
 
@@ -27,7 +27,7 @@ class NodeGraph(NodeNames):
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """Return the (name, namespace) of each node in all processes."""
+        """Return the (name, namespace) of every node in every process."""
         return [(node.node_name, node.node_namespace) for node in self._ask(Graph.nodes)]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> list[tuple[str, list[str]]]:
@@ -47,28 +47,28 @@ class NodeGraph(NodeNames):
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
-        """Return (topic, types) for a node's subscriptions, as for publishers."""
+        """Return (topic, types) for a node's subscriptions; see :meth:`get_publisher_names_and_types_by_node`."""
         return self._topics_of((node_name, node_namespace), SUBSCRIPTIONS, no_demangle)
 
     def count_publishers(self, topic_name: str) -> int:
-        """Return the number of publishers on a topic in all processes; the topic's name is not remapped."""
+        """Return the number of publishers on a topic in all processes; ``topic_name`` is not remapped."""
         return len(self._endpoints(PUBLISHERS, f"rt{self._expanded(topic_name)}"))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """Return the number of subscriptions on a topic in all processes; the topic's name is not remapped."""
+        """Return the number of subscriptions on a topic in all processes; ``topic_name`` is not remapped."""
         return len(self._endpoints(SUBSCRIPTIONS, f"rt{self._expanded(topic_name)}"))
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         """Return information about each publisher on a topic.
 
         Args:
-            topic_name: the topic's name, which is remapped.
+            topic_name: the topic's name, which this method remaps unless ``no_mangle`` is true.
             no_mangle: whether ``topic_name`` is the topic's name in DDS.
         """
         return self._infos(PUBLISHERS, topic_name, no_mangle)
 
     def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
-        """Return information about each subscription on a topic, as for publishers."""
+        """Return information about each subscription on a topic; see :meth:`get_publishers_info_by_topic`."""
         return self._infos(SUBSCRIPTIONS, topic_name, no_mangle)
 
     def _endpoints(self, kind: Kind, wire_topic: str | None = None) -> list[EndpointInfo]:

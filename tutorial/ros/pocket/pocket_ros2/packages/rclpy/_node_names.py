@@ -30,7 +30,7 @@ class NodeNames(Destroyable):
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
-        """Return the node's namespace and name."""
+        """Return the node's full name, which includes the namespace."""
         self._require_handle()
         return self._full_name()
 

@@ -79,12 +79,12 @@ class NodeParameters:
         Args:
             name: the parameter's name.
             value: its value, or only its type.
-            descriptor: which values are allowed, and whether the value can be changed.
+            descriptor: describes which values are allowed, and whether the value can be changed.
             ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             ParameterAlreadyDeclaredException: the parameter has already been declared.
-            InvalidParameterTypeException: the command line's value is of a different type.
+            InvalidParameterTypeException: the value on the command line is of a different type.
             InvalidParameterValueException: the descriptor or a callback does not allow the value.
         """
         only_name = value is None and descriptor is None
@@ -97,17 +97,18 @@ class NodeParameters:
         """Declare several parameters.
 
         Args:
-            namespace: prefix of each name, followed by a dot unless it is empty.
+            namespace: prefix of each name, separated from it by a dot unless the prefix is empty.
             parameters: a tuple for each parameter: its name, its value or type, and its descriptor. The last two
                 elements are optional.
             ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             TypeError: a tuple is too long or empty, or an element has the wrong type.
-            ParameterAlreadyDeclaredException: a parameter has already been declared; this call declares none of them.
-            InvalidParameterTypeException: the command line's value is of a different type.
-            InvalidParameterValueException: a descriptor or a callback rejects a value; earlier parameters stay
-                declared.
+            ParameterAlreadyDeclaredException: a parameter has already been declared. In this case, the call declares
+                nothing.
+            InvalidParameterTypeException: the value on the command line is of a different type.
+            InvalidParameterValueException: a descriptor or a callback rejects a value; the parameters before it have
+                been declared.
         """
         return self._declare(namespace, parameters, ignore_override)
 
@@ -129,7 +130,7 @@ class NodeParameters:
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
-        """Return a parameter. If it is unknown and undeclared parameters are allowed, it has no value.
+        """Return a parameter. If it is undeclared and undeclared parameters are allowed, the result has no value.
 
         Raises:
             ParameterNotDeclaredException: the parameter has not been declared.
@@ -159,7 +160,7 @@ class NodeParameters:
         return parameter
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
-        """Return the parameters under a prefix, keyed by the rest of their names. An empty prefix returns all."""
+        """Return the parameters under a prefix, keyed by the rest of their names. An empty prefix matches any name."""
         start = prefix + PARAMETER_SEPARATOR_STRING if prefix else ""
         return {
             name.removeprefix(start): parameter
@@ -168,7 +169,7 @@ class NodeParameters:
         }
 
     def get_parameter_type(self, name: str) -> Any:
-        """Return the number of a parameter's type; see ``Parameter.Type``.
+        """Return a parameter's type as a number; see ``Parameter.Type``.
 
         Raises:
             ParameterNotDeclaredException: the parameter has not been declared.
@@ -205,7 +206,7 @@ class NodeParameters:
         """Return the names of parameters, and the prefixes of these names.
 
         Args:
-            prefixes: list only these names and the names below them; an empty list means all.
+            prefixes: list only these names and the names below them; an empty list means all names.
             depth: how many levels of names to list; 0 means all.
 
         Raises:
@@ -231,13 +232,13 @@ class NodeParameters:
 
         Args:
             name: the parameter's name.
-            descriptor: the new descriptor; its name is ignored.
+            descriptor: the new descriptor; the name in it is ignored.
             alternative_value: value to set if the new descriptor rejects the current value.
 
         Raises:
             ParameterNotDeclaredException: the parameter has not been declared.
             ParameterImmutableException: the parameter is read-only.
-            InvalidParameterValueException: the descriptor rejects both values.
+            InvalidParameterValueException: the descriptor rejects both the current and the alternative value.
         """
         parameter = self.get_parameter(name)
         if name not in self._parameters:
@@ -256,12 +257,12 @@ class NodeParameters:
         """Set parameters one by one, and return for each parameter whether it was set and, if not, the reason.
 
         Raises:
-            ParameterNotDeclaredException: a parameter has not been declared; earlier parameters stay set.
+            ParameterNotDeclaredException: a parameter has not been declared; the parameters before it have been set.
         """
         return [self._set_all([parameter]) for parameter in parameter_list]
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Set all parameters, or leave all unchanged if one is rejected; return whether they were set, and if not, why.
+        """Set all the parameters, or none if one is rejected; return whether they were set and, if not, why.
 
         Setting a dynamically typed parameter to the type ``NOT_SET`` undeclares it.
 
@@ -271,7 +272,7 @@ class NodeParameters:
         return self._set_all(parameter_list)
 
     def add_pre_set_parameters_callback(self, callback: PreSetCallback) -> None:
-        """Add a callback that replaces the list of parameters about to be set with the list that it returns."""
+        """Add a callback that receives the list of parameters about to be set, and returns the list to set instead."""
         self._pre_set.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSetCallback) -> None:
@@ -315,7 +316,7 @@ class NodeParameters:
         return [self._parameters[parameter.name] for parameter in parameter_list]
 
     def _set_all(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Run the pre-set callbacks, check the parameters, and set them all if each is allowed."""
+        """Run the pre-set callbacks, check the parameters, and set them only if all of them are allowed."""
         if self._pre_set:
             parameter_list = [parameter for callback in self._pre_set for parameter in callback(parameter_list)]
             if not parameter_list:
@@ -342,11 +343,11 @@ class NodeParameters:
     def _set(
         self, parameter_list: list[Parameter], declared: dict[str, ParameterDescriptor] | None = None
     ) -> SetParametersResult:
-        """Set parameters that their descriptors allow, unless a callback rejects them.
+        """Set parameters unless a callback rejects them. Their descriptors have already been checked.
 
         Args:
             parameter_list: the parameters.
-            declared: their descriptors, if this call declares them; None if it only sets them.
+            declared: the parameters' descriptors, if this call declares the parameters; otherwise None.
         """
         for check in tuple(self._on_set):
             result = check(parameter_list)
@@ -371,7 +372,7 @@ class NodeParameters:
         return SetParametersResult(successful=True)
 
     def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
-        """Return the list of the event that receives this change: new, changed or deleted parameters.
+        """Return the event's list for this change: the new, the changed or the deleted parameters.
 
         Call this method before you set the parameter.
         """

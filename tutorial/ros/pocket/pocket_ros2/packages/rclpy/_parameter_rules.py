@@ -1,4 +1,4 @@
-"""Checks of parameters and their declarations, with rclpy's messages."""
+"""Check parameters and their declarations, with rclpy's error messages."""
 
 import math
 import warnings
@@ -26,12 +26,12 @@ def read_declaration(
 
     Args:
         namespace: prefix of the name.
-        given: name, value or type, and descriptor; the last two may be missing.
+        given: the declaration's name, value or type, and descriptor; the last two elements are optional.
         index: position in the list of declarations, for error messages.
         stacklevel: the caller to which the warning about a missing type refers; 1 is the caller of this function.
 
     Raises:
-        TypeError: a part is of the wrong type, or there are too many parts.
+        TypeError: an element of the declaration has the wrong type, or there are too many elements or none.
         ValueError: neither the value nor the descriptor determines the parameter's type, or both do.
         InvalidParameterException: the name is empty.
     """
@@ -77,7 +77,7 @@ def _set_type(name: str, type_: Parameter.Type, descriptor: ParameterDescriptor)
 def refusal(parameter: Parameter, descriptor: ParameterDescriptor, is_declared: bool) -> str:
     """Return why a descriptor rejects a parameter, or "" if it does not.
 
-    Also set the descriptor's name, and its type if it is dynamically typed.
+    Also set the descriptor's name and, if the parameter is dynamically typed, the descriptor's type.
     """
     descriptor.name = parameter.name
     if descriptor.dynamic_typing:
@@ -113,7 +113,7 @@ def is_listed(name: str, prefixes: Sequence[str], depth: int) -> bool:
 
     Args:
         name: the parameter's name.
-        prefixes: list only these names and the names below them; an empty list means all.
+        prefixes: list only these names and the names below them; an empty list means all names.
         depth: how many levels of names to list; 0 means all.
     """
     if not prefixes:

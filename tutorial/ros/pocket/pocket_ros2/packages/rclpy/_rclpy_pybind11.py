@@ -1,10 +1,10 @@
-"""Exceptions and types from rclpy's C++ module of the same name; programs import it to catch the exceptions."""
+"""Exceptions and types from rclpy's C++ module of the same name, which programs import to catch the exceptions."""
 
 from enum import Enum, IntEnum
 
 
 class ClockType(IntEnum):
-    """The clock type of a time: like rclpy.clock_type.ClockType, but printed by name."""
+    """The clock type of a time: like rclpy.clock_type.ClockType, but its members are printed as names."""
 
     UNINITIALIZED = 0
     ROS_TIME = 1
@@ -34,7 +34,7 @@ class UnknownROSArgsError(RuntimeError):
 
 
 class Destroyable:
-    """Base class of objects that can be destroyed; after that, their methods raise InvalidHandle."""
+    """Base class of objects that can be destroyed; a destroyed object's methods raise InvalidHandle."""
 
     _destroyed = False
 

@@ -1,10 +1,10 @@
 """The interface to the middleware: send and receive bytes, wait, and list participants and endpoints.
 
-A middleware is a module with the function ``join(domain_id)``, which returns a `Participant`, and the exception
-``TransportError``. Its functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` convert a participant's
-announcement of its nodes, whose bytes 4 to 19 are the participant's identifier. `rclpy._cyclone` is the middleware on
-Cyclone DDS; the book's page ``drive`` has a different middleware. `rclpy._middleware` selects the middleware in use.
-All methods can be called from any thread.
+A middleware is a module with the exception ``TransportError`` and the function ``join(domain_id)``, which returns a
+`Participant`. Its functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` encode and decode a participant's
+announcement of its nodes. Bytes 4 to 19 of an announcement are the participant's identifier. `rclpy._cyclone` is the
+middleware on Cyclone DDS; the book's page ``drive`` uses a different middleware. `rclpy._middleware` selects the
+middleware in use. All methods can be called from any thread.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ class EndpointInfo:
 
     Attributes:
         kind: PUBLISHERS for a writer, SUBSCRIPTIONS for a reader.
-        guid: its identifier, 16 bytes.
+        guid: the endpoint's identifier (16 bytes).
         topic_name: the topic's name on the wire, such as ``"rt/joy"``.
         type_name: the type's name on the wire, such as ``"sensor_msgs::msg::dds_::Joy_"``.
         type_hash: such as ``"RIHS01_..."``; "" if unknown or not requested.
@@ -57,7 +57,7 @@ class Entity(Protocol):
         """Return the number of matched partners."""
 
     def take_incompatible(self) -> str:
-        """Return why a new partner is incompatible: a policy or ``"TYPE"``; "" if there is no such partner."""
+        """Return why a new partner is incompatible: the policy's name or ``"TYPE"``; "" if there is no such partner."""
 
     def close(self) -> None:
         """Delete the writer or reader. Idempotent."""
@@ -70,27 +70,27 @@ class Writer(Entity, Protocol):
         """Send a serialised message."""
 
     def wait_for_acks(self, timeout_ns: int) -> bool:
-        """Wait until every reliable reader has received all messages; return False on a timeout [ns]."""
+        """Wait until every reliable reader has received all messages; return False if the timeout [ns] expires."""
 
 
 class Reader(Entity, Protocol):
     """Receives a topic's messages."""
 
     def take(self) -> tuple[bytes, int] | None:
-        """Return the next message and the time when it was sent [ns]; None if there is no message."""
+        """Return the next message and the time at which it was sent [ns]; None if there is no message."""
 
 
 class Waiter(Protocol):
     """Waits for messages and events."""
 
     def watch(self, endpoints: Sequence[tuple[Entity, Any]]) -> None:
-        """Include these writers and readers in all later waits; each is given with its owner."""
+        """Watch these writers and readers in all later waits; each one is paired with its owner."""
 
     def wait(self, timeout: float) -> list[Any]:
-        """Wait for a message, an incompatible partner, or :meth:`wake`, or until time runs out [s].
+        """Wait for a message, an incompatible partner or a call of :meth:`wake`, or until the timeout [s] expires.
 
         Returns:
-            The owners of the readers that have messages, in the order of :meth:`watch`, and None for anything else.
+            The owners of the readers that have messages, in the order of :meth:`watch`, and None for any other event.
         """
 
     def wake(self) -> None:
@@ -106,12 +106,12 @@ class Participant(Protocol):
     guid: bytes
 
     def create_writer(self, topic_name: str, type_name: str, profile: QoSProfile) -> Writer:
-        """Create a writer for a type, given as in ROS 2: ``"sensor_msgs/msg/Joy"``."""
+        """Create a writer for a message type, such as ``"sensor_msgs/msg/Joy"``."""
 
     def create_reader(
         self, topic_name: str, type_name: str, profile: QoSProfile, *, ignore_own: bool = False
     ) -> Reader:
-        """Create a reader in the same way; it can ignore this participant's own writers."""
+        """Create a reader for a message type; ``ignore_own`` makes it ignore this participant's own writers."""
 
     def create_waiter(self) -> Waiter:
         """Create a waiter."""
@@ -127,7 +127,7 @@ class Participant(Protocol):
         Args:
             kind: PUBLISHERS or SUBSCRIPTIONS.
             topic_name: the topic's name on the wire; None for all topics.
-            full: also read their policies, at a cost of up to 0.1 ms per endpoint.
+            full: also read each endpoint's policies, which takes up to 0.1 ms per endpoint.
         """
 
     def leave(self) -> None:

@@ -43,7 +43,7 @@ def encode(message: Message) -> bytes:
     """Serialise a message, with the four-byte header of little-endian plain CDR.
 
     Raises:
-        AttributeError: a field that must hold a message holds another value, as in rclpy.
+        AttributeError: a field that must hold a message holds something else; rclpy raises the same exception.
         TypeError: any other field holds a value that does not match its type.
     """
     try:
@@ -80,13 +80,13 @@ def wire_name(type_name: str) -> str:
 
 @cache
 def wire_type(type_name: str, octets: Any) -> Any:
-    """Return Cyclone DDS's struct for a message type. Two threads that need it at the same time may both make it.
+    """Return Cyclone DDS's struct for a message type. If two threads need it at the same time, each may create one.
 
     Args:
         type_name: the message type.
-        octets: the type of a sequence of uint8. ``bytes`` has the same form on the wire and avoids the conversion of an
-            image to a list of numbers. A topic cannot use ``bytes``, however, because it has to describe its type to
-            other programs.
+        octets: the type to use for a sequence of uint8. ``bytes`` has the same form on the wire and avoids
+            converting an image to a list of numbers. A topic cannot use ``bytes``, however, because the topic has to
+            describe its message type to other programs.
     """
     with _lock:  # make_idl_struct uses a global stack of scopes
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}
