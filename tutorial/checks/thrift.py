@@ -6,7 +6,7 @@ Write the controller `ThriftyPublisher`. It publishes a `JointState` on its body
 - 50 times per simulated second, it finds the joints whose positions differ by more than 0.001 rad (or m) from those
   that it last sent. Do this every `round(1 / (50 * io.time_step))` steps, or at the steps nearest to the multiples
   of 1/50 s.
-- The message contains only these joints, with their positions. If no joints have moved, no message is sent.
+- The message contains only these joints, with their positions. If there are no such joints, no message is sent.
 - The first message names all joints, and so does the first one after a restart of the simulation. On a restart,
   `initialize` is called again, but `io.step` and `io.time_ns` don't restart at 0.
 - The stamp is the simulated time of publication. Velocity and effort stay empty.
