@@ -60,7 +60,7 @@ def real_ros_needed(what: str) -> TutorialError:
 
 
 def need_real_ros(what: str) -> None:
-    """Raise the error that `real_ros_needed` returns if this process uses the pocket ROS 2.
+    """If this process uses the pocket ROS 2, raise the error that `real_ros_needed` returns.
 
     Raises:
         TutorialError: this process uses the pocket ROS 2.

@@ -85,8 +85,8 @@ class Player:
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
         """Play to the end, or until stopped. This method blocks: don't call it on a thread that runs an event loop.
 
-        Playback starts when the node graph is known and all existing subscriptions have discovered the publishers, or
-        after 2 s at the latest.
+        Playback starts when the node graph is known and all existing subscriptions have discovered the publishers. It
+        waits for the subscriptions for 2 s (6 s with Fast DDS), and for the graph for at most 8 s.
 
         Args:
             stop: an event that any thread can set to stop the playback.

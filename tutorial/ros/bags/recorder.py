@@ -130,7 +130,7 @@ class Recorder:
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait for the last messages that were sent before the recording ended, but for at most one second.
+        """Wait until no more messages arrive that were sent before the recording ended, but for at most one second.
 
         A timer on the executor's thread checks for new messages, because no messages arrive while that thread is busy.
         """

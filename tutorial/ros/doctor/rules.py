@@ -412,7 +412,7 @@ RULES: dict[str, Rule] = {
     "reliability": Rule(
         "the reliability settings are incompatible",
         _apart("reliability", lambda each: "RELIABLE" if each.reliable else "BEST_EFFORT"),
-        "A RELIABLE subscription refuses a BEST_EFFORT publisher. (A BEST_EFFORT subscription accepts any publisher.)",
+        "A RELIABLE subscription refuses a BEST_EFFORT publisher. (A BEST_EFFORT subscription accepts both kinds.)",
         "Make the subscription BEST_EFFORT, for instance with qos_profile_sensor_data, or make the publisher RELIABLE.",
     ),
     "durability": Rule(
@@ -471,7 +471,8 @@ RULES: dict[str, Rule] = {
     "rmw": Rule(
         "the programs use different middleware",
         _rmw,
-        "Programs that use Zenoh cannot find programs that use DDS. Cyclone DDS programs can find Fast DDS programs.",
+        "Programs that use Zenoh and programs that use DDS cannot find each other. "
+        "Programs that use Cyclone DDS and programs that use Fast DDS can.",
         "Start all programs with the same RMW_IMPLEMENTATION.",
         command="export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
         look="printenv RMW_IMPLEMENTATION",
@@ -486,10 +487,9 @@ RULES: dict[str, Rule] = {
     "dropped": Rule(
         "messages arrive, but viewers drop them",
         _dropped,
-        "A viewer ignores messages that are older than the message it last showed, and positions that are not finite "
-        "numbers.",
-        "Publish each joint from only one publisher, with stamps that never jump backwards and positions that are "
-        "finite numbers.",
+        "A viewer ignores messages that are older than the message it last showed, and positions that it cannot use, "
+        "such as NaN.",
+        "Publish each joint from only one publisher, with stamps that never jump backwards and with usable positions.",
         look="topic echo TOPIC",
     ),
     "nobody": Rule(
@@ -500,4 +500,4 @@ RULES: dict[str, Rule] = {
         look="topic list",
     ),
 }
-"""All rules by name. Those for the most likely causes come first."""
+"""All rules by name, the most likely cause first."""

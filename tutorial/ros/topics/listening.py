@@ -46,7 +46,7 @@ async def topic_echo(
         node: the node that subscribes; must be spinning on another thread.
         topic: the topic's name; if there is no such topic, wait briefly for it.
         message_type: the type to subscribe with, such as ``"sensor_msgs/msg/Joy"``; required if the topic does not
-            exist yet or has several types. None to use the topic's only type.
+            appear in time or has several types. None to use the topic's only type.
         once: stop after the first message instead of continuing forever.
         field: show only this field, such as ``"position"`` or ``"header.stamp"``.
         no_arr: show only the type and length of each array.

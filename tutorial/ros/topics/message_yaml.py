@@ -97,7 +97,7 @@ def _ellipsis(value: Sized) -> list[str]:
 
 
 def _long(kind: str) -> str:
-    """Return a field type's full name without length limits: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``."""
+    """Return a field type's full name, without string lengths: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``."""
     return re.sub(r"<\d+>", "", kind).replace("/", "/msg/")
 
 

@@ -1,10 +1,10 @@
 """The interface to the middleware: send and receive bytes, wait, and list participants and endpoints.
 
 A middleware is a module with the exception ``TransportError`` and the function ``join(domain_id)``, which returns a
-`Participant`. Its functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` encode and decode a participant's
-announcement of its nodes. Bytes 4 to 19 of an announcement are the participant's identifier. `rclpy._cyclone` is the
-middleware on Cyclone DDS; the book's page ``drive`` uses a different middleware. `rclpy._middleware` selects the
-middleware in use. All methods can be called from any thread.
+`Participant`. The module's functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` encode and decode a
+participant's announcement of its nodes. Bytes 4 to 19 of an announcement are the participant's identifier.
+`rclpy._cyclone` is the middleware on Cyclone DDS; the book's page ``drive`` uses a different middleware.
+`rclpy._middleware` selects the middleware in use. All methods can be called from any thread.
 """
 
 from collections.abc import Sequence

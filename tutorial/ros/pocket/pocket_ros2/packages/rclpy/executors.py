@@ -142,7 +142,7 @@ class SingleThreadedExecutor:
             self._spinning.release()
 
     def _spin(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False, once: bool = False) -> None:
-        """Run callbacks, or just one, until a deadline [s, monotonic clock]. Only one thread can spin at a time."""
+        """Run callbacks, or just one, until a deadline [s, monotonic clock]. Only one caller can spin at a time."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         self._spinner = threading.get_ident()
