@@ -84,7 +84,7 @@ class Exercise:
 
         Args:
             answer: the learner's class or function.
-            instruments: the instruments for the trials. The call has to be inside their ``with`` block.
+            instruments: the instruments for the trials. Iterate over the findings inside their ``with`` block.
         """
         try:
             check_has(answer, *self._requires)

@@ -62,7 +62,7 @@ MISTAKES = [
             "a late message: compare each stamp with the newest one so far.",
             replace("newest = max(newest, stamp)", "newest = stamp")),
     Mistake("your code reports every jump backwards as a restart: "
-            "a message is only late if its stamp is at most 1 s older than the newest one.",
+            "a message whose stamp is at most 1 s older than the newest one is merely late.",
             replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
     Mistake("your code computes seconds as floats, which are rounded: use whole nanoseconds everywhere.",
             both(replace("Time.from_msg(message.header.stamp).nanoseconds",

@@ -199,7 +199,7 @@ def in_a_crowd(hall: Hall) -> str:
 
 THEN = Hall.where, Hall.falls, Hall.where  # observed after a message
 hopped = partial(steps, viewer=Hall)
-STAYS = ("Your unconfigure method probably puts the body back even if it has already landed. "
+STAYS = ("Your unconfigure method probably puts the body back even if it is not up. "
          "First test whether the body is up: self.timer is not None.")  # fmt: skip
 CASES = [
     Case("accelerations x y z [m/s²]", hopped(mistaken),

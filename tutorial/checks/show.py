@@ -130,8 +130,8 @@ FIRST = [
          "Match them by name, as match_joints does."),
     Case("after each move", steps(*[states(("Y P", (0.1, 0.2))), Viewer.news] * 2), MOVES),
     Case("only TURRET_P, then TURRET_Y", steps(states(("Y P", (0.2, 0.3)), ("P", [-0.1]), ("Y", [0.0])), Viewer.where),
-         "Your code probably expects every joint in every message, or skips positions of 0 or below. Set only the "
-         "joints that the message names.", crashes=True),
+         "Your code probably expects every joint in every message, or skips positions of 0 or below. Set all "
+         "joints that the message names, and no others.", crashes=True),
     Case("the unknown name ANTENNA", steps(states(("ANTENNA", [1.0]), ("ANTENNA Y", (1.0, 0.2))), Viewer.where),
          "Your code probably uses the name of a joint that the body does not have. Skip that joint, and show the other "
          "joints, as match_joints does.", crashes=True),

@@ -73,7 +73,7 @@ class TrackLimits(SimpleController):
 
 RCLPYS_OWN = "_on_parameter_event"  # the callback for use_sim_time, which every node has
 NO_CALLBACK = (
-    "In configure, add it with self.node.add_on_set_parameters_callback: no other kind of callback can refuse."
+    "In configure, add it with self.node.add_on_set_parameters_callback: only this callback can refuse with a reason."
 )
 RESULT = "In every case, return SetParametersResult(successful=True), or successful=False with a reason."
 

@@ -172,7 +172,7 @@ WRONG = [
     (edited(tune, ("return SetParametersResult(successful=True)", "pass")), "In every case, return"),
     (
         edited(tune, ("self.node.add_on_set_parameters_callback(self.check)", "pass")),
-        "no other kind of callback can refuse",
+        "only this callback can refuse",
     ),
     (edited(tune, (DECLARE, "self.node.declare_parameter(name, value)")), "a description and a range"),
     (edited(tune, ('("turn", 0.5)', '("turn", 1)')), "a description and a range"),

@@ -53,7 +53,8 @@ def replace(old: str, *new: str) -> Ways:
     """Replace a part of the solution's source. Each replacement is a separate way to make the mistake.
 
     Change as little as possible: two mistakes can only be found together if they change different parts of the source.
-    The new text can use any name that the exercise's module, `asyncio`, `functools`, `math` or `itertools` defines.
+    The new text can use any name in the namespace of the exercise's module, `asyncio`, `functools`, `math` or
+    `itertools`.
 
     Args:
         old: the part to replace. All its occurrences are replaced.
