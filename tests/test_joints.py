@@ -231,7 +231,7 @@ def turns(found):
 
 RATES = st.sampled_from([10.0, 20.0, 50.0, 100.0])
 OFFSETS = st.sampled_from([0.0, 0.003, 0.02, 0.03, 0.3, 0.99, 5.0, 500.0, 1.7e9])
-SILENT = "the publisher was restarted or is silent, and the viewer follows a different one"
+SILENT = "the publisher was restarted or is silent, and the viewer follows a new one"
 
 
 class TestTwoPublishers:

@@ -3,7 +3,7 @@
 import gc
 import signal
 
-signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends the process without a traceback until a command handles it
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command handles Ctrl-C, it ends the process without a traceback
 signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # `parent_watch` starts its command with SIGINT blocked
 
 gc.disable()  # imports create no garbage worth collecting

@@ -329,7 +329,7 @@ class Body:
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def reset(self) -> None:
-        """Move the body back to its initial pose, and set its velocity to zero."""
+        """Move the body back to its initial pose and joint positions, and set its velocities to zero."""
         self._check("reset")
         self.data.qpos[self.qpos_slice] = self.model.qpos0[self.qpos_slice]
         self.data.qvel[self._dof_slice] = self.data.qacc_warmstart[self._dof_slice] = 0.0

@@ -88,7 +88,7 @@ class Arrival(Enum):
 
     NEXT = ""  #: the publisher's next message
     RESTARTED = "the publisher was restarted"  #: the message's stamp jumps far back
-    SWITCHED = "the publisher was restarted or is silent, and the viewer follows a different one"  #: its publisher
+    SWITCHED = "the publisher was restarted or is silent, and the viewer follows a new one"  #: its publisher
     LATE = "a late message was dropped"  #: older than the message that last moved the joint
     ANOTHER = "a message from another publisher was dropped"  #: not from the publisher that is followed
 

@@ -14,7 +14,7 @@ from tutorial.model.options import set_options
 from tutorial.model.urdf_file import read_urdf
 
 FAILS = (ValueError, RuntimeError)
-"""The errors that MuJoCo raises for a model that it cannot compile; RuntimeError means that memory ran out."""
+"""The errors that MuJoCo raises for a model that it cannot load or compile; RuntimeError if it runs out of memory."""
 
 mujoco.set_mju_user_warning(mujoco_warns)
 

@@ -66,8 +66,8 @@ def check(
     The command runs only the answers and the definitions that they need, in a sandbox. The drivers of step 11 get a
     score instead of a verdict: they race one after another, each for at most 40 s.
 
-    The exit status is 1 if any answer is wrong or could not be judged, or if any driver failed. Exercises that were not
-    tried do not affect the exit status.
+    The exit status is 1 if any answer is wrong, any answer or driver could not be judged, or any driver failed.
+    Exercises that were not tried do not affect the exit status.
     """
     from tutorial.commands.checking import report
     from tutorial.commands.checking.messages import Outcome

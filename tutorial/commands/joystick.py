@@ -122,8 +122,9 @@ def publish_joystick(
         node: the node to publish with.
         source: the joystick.
         duration: how long to publish [s]; None to publish until `stop` is set.
-        linger: the longest time [s] to keep publishing after the duration. Publishing stops as soon as one of the
-            subscriptions ends, even if others remain: a monitoring program does not keep the joystick running.
+        linger: the longest time [s] to keep publishing after the duration. During this time, publishing stops as soon
+            as one of the subscriptions ends, even if others remain: a monitoring program does not keep the joystick
+            running.
         stop: set it, from any thread, to stop publishing.
         progress: called with the elapsed seconds.
 

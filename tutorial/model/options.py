@@ -40,8 +40,8 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
 
     If all models that set an option agree on its value, the world uses that value. If they do not agree, or if no model
     sets the option, the world uses its own value: the original tutorial's gravity, the integrator ``implicitfast``, and
-    MuJoCo's defaults for the rest. A flag, such as ``contact``, is set only if all models set it; a group of actuators
-    is disabled only if all models disable it.
+    MuJoCo's defaults for the rest. A flag, such as ``contact``, differs from its default only if all models change it;
+    a group of actuators is disabled only if all models disable it.
 
     Args:
         world: the world, whose options this function sets.

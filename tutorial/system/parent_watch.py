@@ -2,8 +2,7 @@
 
 This process watches standard input: when the other end closes because the parent has ended, this process asks the
 command to stop, and kills it if it keeps running. The command and this process form one process group, so a signal to
-the group reaches both.
-The command itself handles the signals that ask it to stop.
+the group reaches both. The command itself handles the signals that ask it to stop.
 
 This file imports only the standard library and is run by its path, so it starts quickly.
 """

@@ -45,7 +45,7 @@ class Judged(msgspec.Struct):
         outcome: the verdict.
         cause: if the answer is not right, the most likely cause, as a sentence.
         text: the text that a learner sees.
-        score: the points scored in a race, from 0 to 100; None for an answer to an exercise.
+        score: the points scored in a race, from 0 to 100; None if there was no race.
     """
 
     outcome: Outcome

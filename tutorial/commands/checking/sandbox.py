@@ -37,7 +37,7 @@ REFUSED = b"add_key request_key keyctl memfd_create shmget chmod fchmod fchmodat
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # from seccomp.h
 NO_SANDBOX = (
     "other people's programs cannot run in a sandbox here: {}. On Debian and Ubuntu, sudo apt-get install bubblewrap "
-    "libseccomp2 installs what is missing. If you trust the programs or use a virtual machine, {}."
+    "libseccomp2 installs the sandbox. If you trust the programs or use a virtual machine, {}."
 )
 
 
