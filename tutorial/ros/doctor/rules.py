@@ -222,7 +222,7 @@ def _domain(facts: Facts) -> Found | None:
     if facts.publishers or not facts.found_in:
         return None
     where = _listed([str(domain) for domain in facts.found_in])
-    saw = f"The topic has no publisher in your domain ({facts.domain}), but it has one in domain {where}."
+    saw = f"The topic has no publisher in your domain {facts.domain}, but it has one in domain {where}."
     return Found(saw, {"DOMAIN": str(facts.found_in[0])})
 
 
