@@ -139,7 +139,7 @@ class JointStatePublisher(Viewer):
 class Foxglove(Viewer):
     """The 3D panel of Foxglove Studio: it matches names and ignores stamps.
 
-    If a name has no position, its joint is shown at 0.
+    It shows a joint at 0 if the message has no position for it.
 
     Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
     """

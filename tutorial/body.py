@@ -136,7 +136,7 @@ class Actuator:
 
 
 class Sensor:
-    """A sensor of a body, such as an accelerometer.
+    """A sensor on a body, such as an accelerometer.
 
     Attributes:
         name: its name, without the body's prefix.

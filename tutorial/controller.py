@@ -47,8 +47,8 @@ class ControllerConfig:
         body: the displayed body, for use on the main thread only.
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
         call_later: ``call_later(function, *args)``, called on any thread, runs the function on the main thread. Calls
-            run in the order in which they were posted. No call is lost, unless it is still waiting when the controller
-            leaves its body.
+            run in the order they were posted. No call is lost, unless it is still waiting when the controller leaves
+            its body.
         call_latest: ``call_latest(key, function, *args)`` works like `call_later`, but replaces a waiting call that has
             the same key.
         ask: ``ask(function, *args)``, called on the executor's thread, has the simulation's thread run the function

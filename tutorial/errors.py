@@ -14,7 +14,7 @@ WIDE_SPACES = "\u00a0\u3000"  # no-break and ideographic space: visible, though 
 class TutorialError(Exception):
     """Base class of every error that the library raises on purpose.
 
-    The message is written for the learner: what was given, what is wrong with it, and how to fix it.
+    The message is for the learner: it quotes the input, and explains what is wrong with it and how to fix it.
     """
 
     def _render_traceback_(self) -> list[str]:
@@ -38,7 +38,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
         valid: the valid names.
 
     Returns:
-        ``" Did you mean 'x'? Known are 'x', 'y'."``, with a leading space so that it can be appended to a sentence.
+        ``" Did you mean 'x'? Known names: 'x', 'y'."``, with a leading space so that it can be appended to a sentence.
     """
     names = sorted(valid)
     if not names:
@@ -46,7 +46,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     near = get_close_matches(given, names, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
     more = f" and {len(names) - 30:,} more" if len(names) > 30 else ""
-    return f"{hint} Known are {', '.join(map(repr, names[:30]))}{more}."
+    return f"{hint} Known names: {', '.join(map(repr, names[:30]))}{more}."
 
 
 def printable(text: str) -> str:

@@ -178,7 +178,7 @@ class CallScope:
         self.closed = False
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """Have the main thread run ``function(*args)``. No call is lost, and their order is kept. Thread-safe."""
+        """Have the main thread run ``function(*args)``. No call is lost or reordered. Thread-safe."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
         self.queue._post(call, call)  # the key is unique, so the call replaces no other call
@@ -231,7 +231,7 @@ class _Call:
 class RequestQueue:
     """Requests from callbacks to the simulation. Each callback waits for the answer.
 
-    The thread that steps the simulation carries them out between two steps, so `ask` blocks the executor's thread only
+    The thread that steps the simulation carries them out between two steps. So `ask` blocks the executor's thread only
     until the current step ends, usually for a few milliseconds, and never longer than its timeout. While the simulation
     is not running, and when it stops, requests are refused at once, so that no callback keeps waiting after a shutdown.
 

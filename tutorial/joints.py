@@ -40,7 +40,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     """Match one message with the joints of a body.
 
     Args:
-        joints: the names of a body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
+        joints: the names of a body's joints, or a mapping from each name to a range ``(lower, upper)`` [rad or m].
         message: the message; its type must be right, but its fields can contain anything.
 
     Returns:
@@ -157,7 +157,7 @@ class JointMatcher:
     publishing.
 
     Args:
-        joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
+        joints: the names of the body's joints, or a mapping from each name to a range ``(lower, upper)`` [rad or m].
         publishers: returns the number of publishers on the topic, such as a subscription's ``get_publisher_count``.
     """
 
@@ -217,7 +217,7 @@ class _Publishers:
     If there are as many separate sets of joints as publishers, no joint is shared, unless a joint keeps jumping back
     and forth. Otherwise a message comes from a rival if it is older than the last one, more than 10 s newer, or makes a
     joint jump. Once a single rival's position of the joint is known, only a jump to that position indicates a rival. If
-    the publishers agree, all of them are shown.
+    the publishers agree, all of their messages move the joints.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
@@ -251,7 +251,7 @@ class _Publishers:
             return Arrival.NEXT
         track.dropped += 1
         switches = track.dropped >= SILENT_AFTER * rivals  # immediately if no rival is left
-        rival = track.positions if switches else positions  # whichever publisher is not followed now is the rival
+        rival = track.positions if switches else positions  # the publisher that is not followed now is the rival
         self._rival_positions |= {joint: rival[joint] for joint in positions}
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
 

@@ -35,7 +35,7 @@ def fault_of(message: JointState | TransformStamped) -> str:
 class Tally:
     """Counts the messages that a viewer shows and those that it skips.
 
-    Logs how many messages were skipped, at most every five seconds and not at the start.
+    Logs how many messages were skipped, at most once every five seconds, but not during startup.
 
     Args:
         name: the body's name.

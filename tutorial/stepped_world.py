@@ -100,8 +100,7 @@ class SteppedWorld:
 
     Args:
         placements: the bodies.
-        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which the controllers
-            are called.
+        controllers: pairs of a body's name ("" for the world) and a controller, in the order they are called.
         time_step: the time step [s].
         find_camera: finds a camera of a simulated body (see `Body`); None for a world without camera images.
 

@@ -85,7 +85,7 @@ class HandoffTrace:
         capacity: the maximum number of handoffs to store; older handoffs are dropped.
 
     Attributes:
-        handled: the number of messages whose callbacks have returned, including those that are no longer stored.
+        handled: the number of messages whose callbacks have returned, including those whose handoffs were dropped.
     """
 
     def __init__(self, capacity: int = 200) -> None:

@@ -37,7 +37,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 
 
 class PitCrew(SimpleController):
-    """Answer requests for a pit stop, each of which requires two requests to other programs."""
+    """Answer requests for a pit stop. Each pit stop requires two requests to other programs."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the clients and the service."""

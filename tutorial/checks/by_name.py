@@ -7,7 +7,7 @@ to their positions in `message`, a `JointState`. `joint_names` contains the name
 - Ignore names that the body does not have.
 - If there are fewer or more positions than names, use the names that have a position. If there are no positions, the
   dict is empty.
-- Ignore positions for which `math.isfinite` returns False: NaN and infinities.
+- Ignore NaN and infinities: `math.isfinite` returns False for them.
 - If a name appears twice, use its last finite position.
 
 The function never raises an exception, never makes up a position, and does not change the message.

@@ -80,7 +80,7 @@ class Exercise:
             return self._verdict(tuple(self.findings(answer, instruments)))
 
     def findings(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
-        """Judge an answer in this process, and yield each finding as soon as it is known.
+        """Judge an answer in this process, and yield each finding immediately.
 
         Args:
             answer: the learner's class or function.
@@ -145,7 +145,7 @@ class Exercise:
 def listing(part: Any) -> str:
     """Return the source of a class or function in the notebooks' style: without annotations and docstrings.
 
-    Annotations would require imports. Comments and blank lines are kept.
+    Annotations would require imports. Comments and blank lines remain.
 
     Args:
         part: the class or function, which has to be defined at the top level of its module.

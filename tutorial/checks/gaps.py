@@ -90,7 +90,7 @@ MISTAKES = [
             "a stamp consists of sec and nanosec.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
                     "message.header.stamp.sec * 1_000_000_000")),
-    Mistake("your code compares the times at which the messages were received: compare their stamps.",
+    Mistake("your code compares the bag's own times: compare the messages' stamps.",
             replace("Time.from_msg(message.header.stamp).nanoseconds", "_")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "

@@ -12,7 +12,7 @@ namespace.
   including the step at which you publish the message.
 - It marks what it does not measure: the covariances of orientation and linear acceleration begin with -1
   (`message.orientation_covariance[0] = -1.0`), but the covariance of the angular velocity does not.
-- The stamp is the simulated time at which the message is published.
+- The stamp is the simulated time of publication.
 - The frame is the sensor's frame, `Tank/GYRO`, which includes the body's name. On the tank you may also use the
   chassis frame, `Tank/base_link`: the sensor is fixed to the chassis and has the same axes. (The crane's sensor is at
   the tip of its jib.)

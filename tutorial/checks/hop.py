@@ -25,7 +25,7 @@ calc_forward_kinematics and notify_change. self.timer = asyncio.get_running_loop
 parentheses after land. To land, assign self.place itself to self.body.position: adding 0.1 and then subtracting it
 doesn't give exactly the same numbers.
 
-Notice that the timer, the next blow and unconfigure all use the same method to land: whichever comes first ends the
+Notice that the timer, the next blow and unconfigure all use the same method to land: the first of them ends the
 hop.
 """
 

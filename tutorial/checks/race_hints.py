@@ -14,11 +14,11 @@ HINTS = (
     rail.""",
     """The driver needs to remember three things: how many images it has received, how many of them since it last saw
     the line, and whether the line has ended. To lower the barrel, publish the axes [0, 0, 0, -1] for the first two
-    images. Then, with rows and columns from np.nonzero, keep the columns where rows > rows.max() - height // 10. As the
-    turn, use twice the error, limited to the range from -1 to 1; as the speed, use 0.35 minus a tenth of the turn's
-    absolute value. For an image without a line, publish [0, 0.25, 0, 0]. After eight such images in a row, the line has
-    ended for good, even if the camera sees it again. Then publish [0, 0, -1, 0] ten times, and [0, 0, 1, 0] from then
-    on: the turret sweeps to the right and back to the left.""",
+    images. Then, with rows and columns from np.nonzero, keep the columns where rows > rows.max() - height // 10. For
+    the turn, use twice the error, limited to the range from -1 to 1; for the speed, use 0.35 minus a tenth of the
+    absolute value of the turn. For an image without a line, publish [0, 0.25, 0, 0]. After eight such images in a row,
+    the line has ended for good, even if the camera sees it again. Then publish [0, 0, -1, 0] ten times, and
+    [0, 0, 1, 0] from then on: the turret sweeps to the right and back to the left.""",
 )
 
 

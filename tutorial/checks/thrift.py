@@ -16,7 +16,7 @@ Hint 1: What do you have to compare each position with? Use the position that yo
 long ago, and not the joint's position 20 ms ago. Compare each joint separately.
 
 Hint 2: Keep a dict that maps each joint's name to the position that you last sent for it. At first, the dict is empty,
-so you send all joints. In each step in which a message is due, collect the joints that have moved. If any joints have
+so you send all joints. Whenever a message is due, collect the joints that have moved. If any joints have
 moved, send their positions, and store these positions in the dict.
 
 Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) > 0.001}.

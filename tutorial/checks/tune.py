@@ -160,7 +160,7 @@ def left(trial: Trial) -> str:
 
 
 NUMBERS = (
-    "Return a tuple: (speed, turn). get_parameter returns a Parameter, whose attribute value is the number: "
+    "Return a tuple: (speed, turn). get_parameter returns a Parameter, whose value attribute holds the number: "
     "self.node.get_parameter('speed').value."
 )
 STORED = (

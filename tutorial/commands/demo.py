@@ -27,7 +27,7 @@ def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     """Lay out how many messages each node sent and received, and their latency from publication to callback."""
     table = _table("node", "topic", "sent", "received", "shown", "[Hz]", "median", "p99 [ms]")
     table.caption = (
-        "median and p99 describe the time from publication to callback. Some of the messages sent may not be received: "
+        "median and p99 describe the time from publication to callback. Receivers can miss messages: "
         "the programs start one after another, and a queue of depth 1 holds only the newest message."
     )
     table.caption_justify = "left"

@@ -237,7 +237,7 @@ PROBES: dict[str, Callable[[], Diagnosis]] = {
     "discovery": discovery,
     "domain": domain,
 }
-"""All probes, by subject, in the order in which their results are printed. They run concurrently."""
+"""All probes, by subject, in the order their results are printed. They run concurrently."""
 
 
 def _mujoco() -> tuple[str, tuple[str, str] | None]:

@@ -50,7 +50,7 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool, ser
     if interfaces:
         print_text(
             "\nIf you add a file, list it in CMakeLists.txt. "
-            "Build the package for the ROS 2 that tank ros install has installed:\n\n"
+            "Build the package for the ROS 2 installed by tank ros install:\n\n"
         )
         print_text(f"    tank ros build {printable(str(folder))}\n\n")
         print_text(f"or build it with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")

@@ -52,7 +52,7 @@ SLOWEST = 0.2  # below this, a race ends early
 LOOK = 0.05  # [s] between checks of the driver
 MEET_FOR = 20.0  # [s] the longest wait for a driver's publisher; imports are slow on a loaded machine
 STOP_WITHIN = 2.0  # [s] between asking a driver to stop and killing it
-LINES_KEPT, LONGEST_LINE = 50, 10_000  # number of output lines to keep, and the length at which lines are split
+LINES_KEPT, LONGEST_LINE = 50, 10_000  # number of output lines to keep, and their maximum length; longer ones are split
 MOST = 1_000_000  # maximum number of characters that a driver can print
 MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
 

@@ -32,7 +32,7 @@ class CameraPublisher(SimpleController):
             self.camera.capture(self.publish, self.io.time_ns)
 
     def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:  # camera's thread
-        """Publish an image, stamped with the simulated time [ns] at which it was requested."""
+        """Publish an image, stamped with the simulated time of its request [ns]."""
         message = image(pixels)
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
         message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"

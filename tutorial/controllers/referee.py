@@ -15,7 +15,7 @@ from tutorial.race.rules import LIMIT, REACH, Race, Result
 
 CHECKS = 200  # [Hz] how often to check the tank's position and contacts, in simulated time
 MESSAGES = 2  # [Hz] how often to publish the score and count the publishers
-SHARED = ("/rosout", "/parameter_events")  # topics that every node of a real ROS 2 publishes on
+SHARED = ("/rosout", "/parameter_events")  # topics that every node in the real ROS 2 publishes on
 
 
 class Referee(SimpleController):

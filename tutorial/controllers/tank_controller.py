@@ -9,7 +9,7 @@ from tutorial.body import Joint
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
 
-STEP_AT_FULL_STICK = 0.002  # [rad] change of a reference angle per simulation step
+STEP_AT_FULL_STICK = 0.002  # [rad] change in a reference angle per simulation step
 P_GAIN = 200.0  # [N.m/rad]
 D_GAIN = 50.0  # [N.m.s/rad]
 

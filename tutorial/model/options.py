@@ -73,7 +73,7 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
 
 
 def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -> Iterator[str]:
-    """Set the options that are numbers or keywords. Yield a description of each option on which the models disagree."""
+    """Set the numeric and keyword options. Yield a description of each option that the models set differently."""
     for bit, name in enumerate(OPTIONS):
         said = {path: _value(spec, name) for path, spec in models.items() if spec.authored.option >> bit & 1}
         if name == "timestep" and time_step is not None:
@@ -106,7 +106,7 @@ def _set_actuator_groups(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
 
 
 def _set_bit(world: mujoco.MjSpec, models: Models, field: str, bit: int) -> list[Path]:
-    """Set a bit in the world if it is set in all models; otherwise, return the models in which it is set."""
+    """Set a bit in the world if all models set it; otherwise, return the models that set it."""
     having = [path for path, spec in models.items() if getattr(spec.option, field) & bit]
     if len(having) < len(models):
         return having
@@ -120,7 +120,7 @@ def _value(spec: mujoco.MjSpec, name: str) -> Any:
 
 
 def _word(name: str, value: Any) -> str:
-    """Format a value as it is written in MJCF."""
+    """Format a value as in MJCF."""
     if name in WORDS:
         return WORDS[name][int(value)]
     return " ".join(f"{each:g}" for each in value) if isinstance(value, tuple) else f"{value:g}"

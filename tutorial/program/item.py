@@ -17,7 +17,7 @@ from tutorial.world import Placement
 
 COMPLAIN_EVERY = 5.0  # [s] between log lines about a body's messages, and between queries of the publishers
 STALE_AFTER = 1.0  # [s] without a new position before the view marks a joint as stale
-CONTESTED_FOR = 2.0  # [s] how long the line below the view names a rival after its last message
+CONTESTED_FOR = 2.0  # [s] how long the line below the view keeps naming a rival after the rival's last message
 NAMED = 3  # number of stale joints or nodes to name; the rest are only counted
 LONGEST_NAME = 60  # maximum number of characters of a node's name to show
 

@@ -102,7 +102,7 @@ class Project:
         return cls(file.path, tuple(items.values()), simulator.time_step, simulator.clock)
 
     def with_robot(self, model: Path) -> Project:
-        """Return a project in which the only body with controllers has a different model.
+        """Return a copy of the project with a different model for the only body that has controllers.
 
         Args:
             model: the MJCF or URDF file; the body gets the file's name, capitalised.
@@ -124,7 +124,7 @@ class Project:
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_model(self, body: str, model: Path) -> Project:
-        """Return a project in which a body has a different model, such as a line with a different course.
+        """Return a copy of the project with a different model for one body, such as a different course for the line.
 
         Args:
             body: the body's name.

@@ -29,7 +29,7 @@ class Result:
     Attributes:
         progress: the fraction of the line that the tank has followed, 0 to 1.
         seconds: the race's duration in simulated time [s].
-        touched: what the tank has touched, and when; excludes the floor, and contacts of its barrel with the rail.
+        touched: what the tank has touched, and when; excludes the floor, and contact between its barrel and the rail.
         end: why the race has ended; empty during the race. It is `FINISHED` if the barrel has touched the rail after
             the tank reached the end of the line.
         foul: how the race was manipulated; empty if it was fair.

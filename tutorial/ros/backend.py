@@ -22,8 +22,8 @@ def ros_backend() -> Backend:
     """Return which ROS 2 this process uses: ``"rclpy"`` (a real ROS 2) or ``"pocket"`` (the pocket ROS 2).
 
     The first call makes the choice, and makes rclpy and the message packages importable. ``TUTORIAL_ROS=pocket`` always
-    selects the pocket ROS 2. Otherwise, a sourced ROS 2 is used. If there is none, ``TUTORIAL_ROS=rclpy`` selects the
-    ROS 2 that ``tank ros install`` has installed; if the variable is unset, the pocket ROS 2 is used.
+    selects the pocket ROS 2. Otherwise, a sourced ROS 2 is used. Without one, ``TUTORIAL_ROS=rclpy`` selects the ROS 2
+    installed by ``tank ros install``; if the variable is unset, the pocket ROS 2 is used.
 
     Raises:
         TutorialError: ``TUTORIAL_ROS`` has an invalid value, or the requested ROS 2 cannot be used.

@@ -23,14 +23,14 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved or uses.
 
     DDS uses the domain's first port for UDP. This function listens on the TCP port with the same number, which is
-    released when the process ends, at the latest. It skips domains in which a program already uses the first
+    released when the process ends, at the latest. It skips domains where a program already uses the first
     participant's UDP port. Containers with separate networks can reserve the same ID without conflict.
 
     Args:
         avoid: a further ROS_DOMAIN_ID to skip, if any.
 
     Raises:
-        TutorialError: all IDs are taken; the error says what to do.
+        TutorialError: no ID is free; the error says what to do.
     """
     for number in random.sample(DOMAINS, len(DOMAINS)):
         if str(number) == (avoid or "").strip():

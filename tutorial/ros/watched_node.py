@@ -59,7 +59,7 @@ class WatchedNode(MeteredNode):
     """A node that records its callbacks, but otherwise behaves like rclpy's node.
 
     Attributes:
-        spans: the newest spans, in the order in which they began.
+        spans: the newest spans, in the order they began.
         ended: descriptions of the deadlocks that `end_deadlocks` has ended.
     """
 

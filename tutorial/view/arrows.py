@@ -33,7 +33,7 @@ class Style:
         legend: a description of the arrow.
         colour: as 0xRRGGBB.
         scale: the arrow's length [m] per unit.
-        threshold: the smallest value for which an arrow is drawn, in this unit.
+        threshold: the smallest value that is drawn as an arrow, in this unit.
         offset: the height of the arrow's start above the sensor [m].
     """
 
@@ -134,7 +134,7 @@ def arrows_of(root: str, model: mujoco.MjModel) -> Iterator[Arrow]:
     """Make arrows for a model's first accelerometer and its first gyroscope.
 
     Args:
-        root: the path in the scene under which the arrows are placed.
+        root: the path of the arrows' parent in the scene.
         model: the body's model.
     """
     types = model.sensor_type.tolist()

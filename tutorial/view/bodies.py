@@ -130,8 +130,7 @@ class View:
 
         Args:
             name: the name given to `add`.
-            joints: the stale joints, for which no message has arrived recently. In the model, they are called
-                ``name/joint``.
+            joints: the stale joints, which have no recent position. In the model, they are called ``name/joint``.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

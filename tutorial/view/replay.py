@@ -1,7 +1,7 @@
 """Records a scene during a run, and makes a page that replays the run in any browser, without other files.
 
-During the run, the scene's messages are collected in an animation (`tutorial.view.animation`). Afterwards, a page is
-made from the animation.
+During the run, an animation (`tutorial.view.animation`) collects the scene's messages. The page then replays this
+animation.
 """
 
 import base64

@@ -126,7 +126,7 @@ class Scene:
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
         """Write one line below the view, and a small table below that line. If both are empty, show nothing.
 
-        Both are shown as text, never as HTML. White space is collapsed, and strings are truncated to `LINE_LENGTH`.
+        Both appear as plain text, never as HTML. White space is collapsed, and strings are truncated to `LINE_LENGTH`.
 
         Args:
             text: the text of the line.

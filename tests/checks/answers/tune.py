@@ -193,7 +193,7 @@ WRONG = [
         edited(
             tune, ('self.node.get_parameter("speed").value, self.node', 'self.node.get_parameter("speed"), self.node')
         ),
-        "whose attribute value is the number",
+        "whose value attribute holds the number",
     ),
     (
         edited(tune, ("return SetParametersResult(successful=False, reason=", "raise ValueError(")),

@@ -73,7 +73,7 @@ def test_ignored_announcements_are_reported_once(node, heard, names, said, spin_
     spin_until(lambda: "late" in node.get_node_names())
     warnings = capfd.readouterr().err.splitlines()
     assert len(warnings) == 1
-    assert re.search(rf"\b1 announcements of nodes have been ignored. The last one: {said}$", warnings[0])
+    assert re.search(rf"\b1 node announcements have been ignored. The last one: {said}$", warnings[0])
 
 
 @pytest.mark.parametrize("version", ["12.0.1", "11.0.2"])

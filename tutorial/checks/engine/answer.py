@@ -21,7 +21,7 @@ _EMPTY = {
 _HELP = {
     "initialize": " In initialize, io.body is the simulated body. In configure, config.body is the displayed body.",
 }
-"""What the learner needs to know to write a method, by the method's name."""
+"""Facts that learners need to write a method, keyed by the method's name."""
 
 _OURS = ("builtins", "tutorial.controller")
 _ENGINE = "tutorial.checks.engine."  # functions from these modules can be part of an answer's class

@@ -22,7 +22,7 @@ from tutorial.ros.node_thread import SpinThread
 from tutorial.ros.watched_node import WatchedNode
 
 LOOK = 0.01  # [s] between checks of a condition
-LOOKS = 500  # number of checks after which a request counts as unanswered
+LOOKS = 500  # number of checks before a request counts as unanswered
 NO_SERVICE = "Your code probably doesn't create the service in configure, or creates it with a different name or type."
 UNANSWERED = (
     "Your code probably waits for a response that cannot arrive, or returns before it has the response. "

@@ -158,10 +158,10 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield pairs of mistakes of which one alone explains the last odd case, or each alone makes that case wrong.
+        """Yield the pairs where one mistake alone explains the last odd case, or each mistake alone breaks that case.
 
-        Yield no pairs for an answer that failed in the first case or was tried in fewer than half of the cases: a pair
-        would only be a guess.
+        Yield no pairs for an answer that failed in the first case or ran in fewer than half of the cases: a pair would
+        only be a guess.
         """
         cases = self._twins.cases
         if self._seen[0].failed or cases.one_by_one or 2 * len(self._seen) < len(cases.cases):

@@ -22,7 +22,7 @@ IN_STOP = (
 )
 THE_NODE = "config.node belongs to the whole program. In unconfigure, destroy only the {0}: {1}."
 TOO_MANY = (
-    "Your code probably creates a {0} at each start, or super().configure(config) creates another one. "
+    "Your code probably creates a {0} at each start, or super().configure(config) creates a second one. "
     "Create only one {0}, in configure."
 )
 LEFT = (

@@ -178,7 +178,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Return whether messages were sent from the start, and at the right rate, rounded to whole steps."""
+        """Return whether messages were sent from the start at the right rate, with intervals rounded to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}

@@ -30,8 +30,8 @@ class Sent:
 
     Attributes:
         topic: the topic's full name.
-        step: the simulation step at which it was published; if a different thread published the message, the step
-            that the stamp corresponds to.
+        step: the simulation step of publication; if a different thread published the message, the step that the stamp
+            corresponds to.
         stamp_ns: its stamp [ns]; 0 if the message has no header.
         message: a copy of the message.
     """
@@ -61,7 +61,7 @@ class Rig:
         displayed, body: the displayed and the simulated body.
         node: the learner's node.
         sent: the published messages.
-        begun: the step at which the simulation was last started.
+        begun: the first step after the simulation's last start.
         has_threads: whether any of the learner's threads were running at the last stop.
 
     Raises:

@@ -42,7 +42,7 @@ class Trial:
     Attributes:
         running: the unfinished calls, by thread; each thread's innermost call comes last.
         noted: where the answer has used ``"sleep"``, ``"clock"``, ``"thread"``, ``"timer"`` or ``"touch"``.
-        clocks: the times at which the answer's clocks were stopped, by the clock's name in `time`; None while they run.
+        clocks: the readings of the answer's stopped clocks, keyed by the clock's name in `time`; None while they run.
         ahead: how far the clocks have been advanced since they were stopped [s].
         is_interleaved: whether another thread is interrupting the answer. Interrupted calls take longer.
     """

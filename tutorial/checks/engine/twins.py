@@ -70,7 +70,7 @@ class Twins:
         return slips(kind, self.source)
 
     def make(self, *faults: Fault) -> Any:
-        """Return the solution with mistakes in it; None if one of them removes the text that another one changes."""
+        """Return the solution with mistakes in it; None if one mistake removes text that another mistake changes."""
         if faults not in self._seen:
             self._seen[faults] = self._define(*faults)
         return self._seen[faults]

@@ -37,7 +37,7 @@ class Finding:
 
     Attributes:
         right: whether the answer passed the case.
-        text: what was tried, and what happened.
+        text: what the case tried, and what happened.
         cause: the most likely cause, as a sentence, if the answer is wrong.
         place: the responsible line of the learner's code, if known.
     """

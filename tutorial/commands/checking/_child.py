@@ -1,7 +1,7 @@
 """The process that reads a notebook, or judges one of its answers: ``python -m tutorial.commands.checking._child``.
 
 Its arguments are the notebook's file descriptor, the CPU time limit per process [s], whether this process is in a
-sandbox, and optionally the name of an exercise. If a name is given, it judges the answer to that exercise; if not, it
+sandbox, and optionally the name of an exercise. With a name, it judges the answer to that exercise; without a name, it
 lists the exercises. It writes one message to stdout and exits when its parent exits.
 """
 

@@ -28,7 +28,7 @@ NOBODY = ("Your Name", "you@example.com")
 def make_package(
     name: str, controller: tuple[Path, str | None] | None, example: str = "listener"
 ) -> tuple[dict[str, bytes], str]:
-    """Make a package that contains a controller or, if none is given, an example node.
+    """Make a package that contains the given controller or, by default, an example node.
 
     Args:
         name: the package's name.

@@ -68,8 +68,8 @@ def _draw_spans(root: Element, spans: list[Span], y: float, times: tuple[float, 
 
 
 def _write_labels(root: Element, spans: list[Span], y: float, times: tuple[float, float]) -> None:
-    """Write a callback's name at the beginning of each span in which the callback runs, if there is room."""
-    free = 0.0  # the x beyond which there is room for a label
+    """Write a callback's name at the beginning of each of its runs, if there is room."""
+    free = 0.0  # there is room for labels to the right of this x
     for span in spans:
         x, width = _x(span.began, times), LETTER * (len(span.label) + 2)
         if span.kind == "runs" and x >= free and x + width < WIDTH:

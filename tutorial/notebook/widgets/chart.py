@@ -27,7 +27,7 @@ class Curve(NamedTuple):
     """A curve and its description.
 
     Attributes:
-        points: pairs of x and y, sorted by x. The curve has a gap wherever y is not finite.
+        points: pairs of x and y, sorted by x. The curve has a gap where y is not finite.
         value: a summary of the curve's values, as text.
     """
 

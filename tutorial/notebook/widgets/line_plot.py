@@ -7,7 +7,7 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.chart import MOST_CURVES, Curve, draw_plot
 from tutorial.notebook.widgets.picture import Picture
 
-NOTHING = "cannot plot this: {}. Give each curve as many values as times: {{name: (times, values)}}."
+NOTHING = "cannot plot this: {}. Give each curve as many values as there are times: {{name: (times, values)}}."
 
 
 def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], unit: str) -> Picture:

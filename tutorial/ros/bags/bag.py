@@ -38,7 +38,7 @@ class BagTopic(NamedTuple):
 
 
 class _Information(msgspec.Struct):
-    """The fields read from a bag's ``metadata.yaml``; the information in the others is also in the bag's files."""
+    """The fields read from a bag's ``metadata.yaml``; its other fields repeat information from the bag's files."""
 
     message_count: int | None = None
     compression_mode: str = ""
@@ -106,7 +106,7 @@ class Bag:
 
     @property
     def damage(self) -> str:
-        """A sentence about the missing or damaged data found so far; empty if there is none."""
+        """A sentence about the missing or damaged data found so far; empty if no damage was found."""
         if not self._faults:
             return ""
         first, more = list(self._faults)[:MOST_FAULTS], "; and others" if len(self._faults) > MOST_FAULTS else ""

@@ -33,7 +33,7 @@ def offered(text: str) -> QoSProfile:
     The depth is always the default, as in ``ros2 bag play``.
 
     Args:
-        text: the YAML text, in which older versions of ``ros2 bag`` use numbers instead of words.
+        text: the YAML text; older versions of ``ros2 bag`` write numbers instead of words.
     """
     try:
         kinds = [_profile(told) for told in parse_qos(read_yaml(text))]

@@ -82,7 +82,7 @@ class SqliteWriter:
 class SqliteReader:
     """Reads an SQLite file, or as much of it as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
 
-    Messages are read in the order in which they were written, because the index by time may be damaged.
+    It reads messages in the order they were written, because the index by time may be damaged.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:

@@ -1,7 +1,7 @@
 """Inject faults into a stream of joint states, without threads, clocks or ROS 2.
 
 Each fault uses a separate sequence of random numbers. Therefore, the same seed gives the same stream, and the messages
-that a fault affects do not depend on which other faults are active.
+that a fault affects do not depend on the other active faults.
 """
 
 from collections.abc import Callable, Mapping
@@ -54,7 +54,7 @@ FAULTS = {
     "burst": f"the message is sent {BURST} times in a row",
     "second": "a second publisher reports all joints at 0",
 }
-"""Descriptions of the faults by name, in the order in which they are applied."""
+"""Descriptions of the faults by name, in the order they are applied."""
 
 
 class Action(NamedTuple):

@@ -1,4 +1,4 @@
-"""The facts from which the doctor's rules infer why no messages arrive."""
+"""The facts that the doctor's rules use to infer why no messages arrive."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic other than the examined topic.
+    """A topic other than the one being examined.
 
     Attributes:
         name: its full name.
@@ -56,7 +56,7 @@ class Program:
         pid: its process ID.
         command: the beginning of its command, without the folder of its executable.
         domain: its ROS domain.
-        joined: whether it uses ports of that domain; if not, it may not be a ROS 2 program.
+        joined: whether it uses ports of that domain; if not, it might not be a ROS 2 program.
         stopped: whether it is suspended, as after Ctrl-Z.
         reach: its ``ROS_AUTOMATIC_DISCOVERY_RANGE``; empty if not set.
         rmw: its ``RMW_IMPLEMENTATION``; empty if not set.
@@ -83,8 +83,8 @@ class Facts:
         import_error: why ROS 2 cannot be imported; empty if it can.
         loopback: whether the loopback interface is up.
         joined: whether this program could join the domain.
-        participants: how many of the domain's places (with Cyclone DDS) are taken by programs on this machine; counted
-            only if nobody publishes the topic or this program could not join.
+        participants: how many of the domain's places (with Cyclone DDS) are occupied by programs on this machine;
+            counted only if nobody publishes the topic or this program could not join.
         publishers: the topic's publishers.
         subscriptions: the topic's subscriptions, except for the doctor's.
         here: the doctor's subscription, or None if it could not subscribe; ``node`` is ``"the doctor"``.

@@ -37,7 +37,7 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_valid_topic,
 
 LOOK = 3.8  # [s] the whole observation, or a little longer if the publisher appears late
 LISTEN = 1.2  # [s] the shortest time to wait for messages; Fast DDS discovers nodes after 1 to 4 s
-ALONE_AFTER = 1.0  # [s] without a publisher, after which the other domains are searched
+ALONE_AFTER = 1.0  # [s] to wait for a publisher before the other domains are searched
 READ_EVERY = 0.1  # [s] between two reads of the graph
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CLOCK = "/clock"
@@ -200,7 +200,7 @@ def _seconds(nanoseconds: int) -> float:
 
 
 def _installed(publishers: Sequence[Endpoint], subscriptions: Sequence[Endpoint]) -> str:
-    """Return an installed type of a publisher, preferably one that a subscription also has; empty if there is none."""
+    """Return a publisher's installed type, preferably one that a subscription also has; empty if none is installed."""
     wanted = {each.type for each in subscriptions}
     for kind in sorted({each.type for each in publishers}, key=lambda each: each not in wanted):
         with suppress(TutorialError):

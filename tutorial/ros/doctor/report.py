@@ -61,7 +61,7 @@ def _all_is_well(facts: Facts) -> str:
 
 
 def _cause_text(number: int, cause: Cause) -> str:
-    """Return a cause's heading, the evidence, the explanation, the fix and the commands."""
+    """Return a cause's heading, evidence, explanation, fix and commands."""
     rule = cause.rule
     lines = [f"{number}. {rule.title[0].upper()}{rule.title[1:]}"]
     lines += [_labelled("saw", cause.found.saw), _labelled("means", rule.means), _labelled("fix", rule.fix)]

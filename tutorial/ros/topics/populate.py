@@ -39,7 +39,7 @@ class Populated(NamedTuple):
 def populated(type_name: str, text: str) -> Populated:
     """Make a message and fill it with values.
 
-    As with ``ros2 topic pub``, a header can be given as ``auto``, and a stamp as ``now``: both are set to the time of
+    As in ``ros2 topic pub``, a header can be ``auto``, and a stamp can be ``now``: both are set to the time of
     publication.
 
     Args:

@@ -124,13 +124,13 @@ def run(
 
 
 def last_line(output: str) -> str:
-    """Return the last line of a command's output, in which most commands explain why they failed."""
+    """Return the last line of a command's output, where most commands explain why they failed."""
     last = (output.strip().splitlines() or ["no reason was given"])[-1]
     return re.sub(r"^\s*(error|cause): ", "", last, flags=re.IGNORECASE).rstrip(".")
 
 
 def _downloads(target: Path) -> Path:
-    """Return the folder for downloads, which are kept until the target is complete."""
+    """Return the folder that stores downloads until the target is complete."""
     return target.with_name(f"{target.name}.downloads")
 
 

@@ -56,7 +56,7 @@ def string(data: memoryview, at: int, count: int) -> str:
 
 
 def numbers(data: memoryview, at: int, code: str, count: int) -> tuple[array[Any], int]:
-    """Return an array of ``count`` numbers and the offset at which it ends."""
+    """Return an array of ``count`` numbers and the offset of its end."""
     values = array(code)
     end = at + count * values.itemsize
     if end > len(data):
@@ -67,7 +67,7 @@ def numbers(data: memoryview, at: int, code: str, count: int) -> tuple[array[Any
 
 @cache
 def _decoder(type_name: str, order: str) -> Callable[[memoryview, int], tuple[Message, int]]:
-    """Return a function that reads a message of the type and returns the message and the offset at which it ends."""
+    """Return a function that reads a message of the type and returns the message and the offset of its end."""
     fields = definition(type_name).wire_fields
     names: dict[str, Any] = {**globals(), "Type": message_class(type_name), "new": object.__new__}
     names |= {f"unpack_{base}": Struct(order + code).unpack_from for base, code in CODES.items()}

@@ -15,12 +15,12 @@ from types import ModuleType
 from typing import Any
 
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
-"""Suffixes of the names of message packages. They are checked first, so that no other failing import loads the
-definitions."""
+"""Suffixes of the names of message packages. They are checked first, so that importing any other package does
+not load the definitions."""
 
 
 def install() -> None:
-    """Install the finder before all others, because this rclpy can send only the finder's messages. Idempotent."""
+    """Install the finder before other finders, because this rclpy can send only the finder's messages. Idempotent."""
     if not any(isinstance(finder, InterfaceFinder) for finder in sys.meta_path):
         sys.meta_path.insert(0, InterfaceFinder())
 
@@ -76,7 +76,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Raise an error that suggests a message with a similar name. If there is none, let Python raise its own error."""
+    """Raise an error that suggests a message with a similar name. Without one, let Python raise its own error."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"

@@ -52,7 +52,7 @@ for bits, code in (8, "b"), (16, "h"), (32, "i"), (64, "q"):
 
 
 class Container(NamedTuple):
-    """The container in which a field stores several numbers.
+    """The container that holds a field's numbers.
 
     Attributes:
         kind: ``array.array`` for a sequence, ``numpy.ndarray`` for a fixed number of values.

@@ -17,7 +17,7 @@ class ExecuteProcess:
     Attributes:
         cmd: the program and its arguments.
         name: the process's name in the output.
-        cwd: the directory in which to start the process.
+        cwd: the process's working directory.
         env: the complete environment; None to inherit the launcher's environment.
         additional_env: variables to add to the environment.
         output: where the process's output goes, such as ``"screen"``.

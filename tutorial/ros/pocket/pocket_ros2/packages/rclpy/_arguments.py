@@ -80,7 +80,7 @@ class Arguments:
         return arguments
 
     def node_value(self, node: str, name: str) -> str | None:
-        """Return the value to which a node's ``__node`` or ``__ns`` is remapped, or None if no rule remaps it."""
+        """Return the new value of a node's ``__node`` or ``__ns``; None if no rule remaps it."""
         names = (name, "__name") if name == "__node" else (name,)
         return next((rule.value for rule in self.remappings if rule.node in ("", node) and rule.name in names), None)
 
@@ -90,7 +90,7 @@ class Arguments:
         Args:
             full_name: the topic's full name.
             node: name of the node that uses the topic.
-            namespace: the node's namespace, in which relative names in rules are expanded.
+            namespace: the node's namespace, used to expand relative names in rules.
         """
         for rule in self.remappings:
             meant = rule.node in ("", node) and not rule.name.startswith("__")

@@ -61,8 +61,8 @@ _forked = False
 class Payload:
     """CDR bytes that pass into or out of Cyclone DDS, which handles this class like one of its structs.
 
-    A received message is therefore decoded only when it is needed, on whichever thread needs it, and a malformed
-    message does not affect later messages.
+    A received message is therefore decoded only when a thread needs it, on that thread, and a malformed message does
+    not affect later messages.
     """
 
     __slots__ = ("data", "sample_info")

@@ -34,5 +34,5 @@ def explicit(profile: QoSProfile, *, writer: bool) -> QoSProfile:
 
 
 def _span(duration: Duration) -> Duration:
-    """Return a duration as it is sent on the wire; 0 and "best available" mean no limit."""
+    """Return a duration as sent on the wire; 0 and "best available" mean no limit."""
     return duration if 0 < duration.nanoseconds < Infinite.nanoseconds - 1 else Infinite

@@ -127,5 +127,5 @@ class Graph:
         except RCLError as error:
             self._ignored += 1
             self._remote.setdefault(gid, [])
-            text = f"{self._ignored} announcements of nodes have been ignored. The last one: {error}"
+            text = f"{self._ignored} node announcements have been ignored. The last one: {error}"
             self._logger.warning(text, throttle_duration_sec=10.0)

@@ -51,7 +51,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
 
     Args:
         name: the topic's name.
-        is_service: whether this is the name of a service, to which the same rules apply.
+        is_service: whether this is the name of a service; the same rules apply.
 
     Raises:
         InvalidTopicNameException: the name breaks the naming rules.

@@ -28,10 +28,10 @@ def read_declaration(
         namespace: prefix of the name.
         given: the declaration's name, value or type, and descriptor; the last two elements are optional.
         index: position in the list of declarations, for error messages.
-        stacklevel: the caller to which the warning about a missing type refers; 1 is the caller of this function.
+        stacklevel: the caller that the warning about a missing type refers to; 1 is the caller of this function.
 
     Raises:
-        TypeError: an element of the declaration has the wrong type, or there are too many elements or none.
+        TypeError: the declaration does not have one to three elements, or an element has the wrong type.
         ValueError: neither the value nor the descriptor determines the parameter's type, or both do.
         InvalidParameterException: the name is empty.
     """

@@ -77,7 +77,7 @@ class Reader(Entity, Protocol):
     """Receives a topic's messages."""
 
     def take(self) -> tuple[bytes, int] | None:
-        """Return the next message and the time at which it was sent [ns]; None if there is no message."""
+        """Return the next message and the time when it was sent [ns]; None if there is no message."""
 
 
 class Waiter(Protocol):

@@ -102,7 +102,7 @@ class InvalidParameterException(ParameterException):
 
 
 class InvalidParameterTypeException(ParameterException):
-    """A parameter was given a value of the wrong type."""
+    """A parameter's value has the wrong type."""
 
     from rclpy.parameter import Parameter  # noqa: PLC0415  (as in rclpy, where this class has it)
 
@@ -113,7 +113,7 @@ class InvalidParameterTypeException(ParameterException):
 
 
 class InvalidParameterValueException(ParameterException):
-    """A parameter was given a value that its descriptor does not allow."""
+    """A parameter's value is not allowed by its descriptor."""
 
     def __init__(self, parameter: str, value: Any, reason: str) -> None:
         super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)

@@ -42,7 +42,7 @@ FILTERS = {
     "skip_first": ("skip_first",),
     "once": ("once",),
 }
-"""Options of each filter, in the order in which the filters are applied."""
+"""Options of each filter, in the order the filters are applied."""
 OPTIONS = [option for options in FILTERS.values() for option in options]
 
 _levels: dict[str, LoggingSeverity] = {"": LoggingSeverity.INFO}

@@ -313,7 +313,7 @@ class Node(NodeGraph, NodeParameters):
             executor.wake()
 
     def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> QoSProfile:
-        """Check the arguments with which a program creates an endpoint, and return its QoS profile.
+        """Check the arguments for a new endpoint, and return its QoS profile.
 
         Raises:
             ValueError: the depth is negative.
@@ -390,7 +390,7 @@ class Node(NodeGraph, NodeParameters):
         self._parameter_events.publish(event)
 
     def _use_sim_time(self, enabled: bool) -> None:
-        """Make the clock follow ``/clock``, or switch it back to the system's time."""
+        """Make the clock follow ``/clock``, or switch it back to system time."""
         if enabled == self._clock.ros_time_is_active:
             return
         self._clock._jump(enabled, self._clock._simulated_ns)

@@ -67,7 +67,7 @@ class Parameter:
             return isinstance(values, (list, tuple, array)) and all(isinstance(value, element) for value in values)
 
     name: str
-    type_: Type = None  # type: ignore[assignment]  # None means the value's type
+    type_: Type = None  # type: ignore[assignment]  # None: infer the type from the value
     value: Any = None
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ class StaticTransformBroadcaster:
 
     Args:
         node: the node that publishes.
-        qos: quality of service, or the number of messages kept; if None, the last message is kept for late subscribers.
+        qos: quality of service, or the number of messages to keep; None: keep the last one for late subscribers.
     """
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
