@@ -283,7 +283,7 @@ class Body:
         return self.find_camera(self, name)
 
     def find_id(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
-        """Return MuJoCo's id of one of the body's elements, such as a camera.
+        """Return the MuJoCo ID of an element of the body, such as a camera.
 
         Args:
             kind: the kind of element, as it should appear in the error message.

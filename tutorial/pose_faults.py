@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from geometry_msgs.msg import TransformStamped
     from rclpy.node import Node
 
-LARGEST = 100_000  # maximum count of numbers or characters in a joint state message: more than any robot needs
+LARGEST = 100_000  # maximum total of numbers and characters in a joint state message: more than any robot needs
 FARTHEST = 1e9  # [m]; views use single precision, which can represent even the square of this
 TOLERANCE = 0.01  # tolerance of a unit quaternion's squared length
 QUIET = 50  # messages skipped silently at the start, while only one topic's publisher has been discovered

@@ -32,7 +32,7 @@ class Snapshot:
 
     Attributes:
         time: simulated time [s].
-        qpos: MuJoCo's generalised positions, shape (nq,).
+        qpos: MuJoCo's generalized positions, shape (nq,).
     """
 
     time: float

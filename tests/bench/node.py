@@ -16,7 +16,7 @@ made = rclpy.create_node("bench")
 
 
 def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[], int]]:
-    """Return a message and the functions that serialise it, send it, and count the listeners."""
+    """Return a message and the functions that serialize it, send it, and count the listeners."""
     publisher = made.create_publisher(JointState, "bench", 10)
     return JointState(), serialize_message, publisher.publish, publisher.get_subscription_count
 

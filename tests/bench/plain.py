@@ -42,7 +42,7 @@ ends = (
 
 
 def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[], int]]:
-    """Return a message and the functions that serialise it, send it, and count the listeners."""
+    """Return a message and the functions that serialize it, send it, and count the listeners."""
     writer = DataWriter(*ends)
     return (
         JOINT_STATE(HEADER(TIME(0, 0), ""), [], [], [], []),

@@ -17,7 +17,7 @@ FLOOD = 2.0  # [s] how long messages are counted
 
 
 def publish(kind: str, pace: str) -> None:
-    """Publish until killed. A flood is serialised in advance, so the receiver is the slower side."""
+    """Publish until killed. A flood is serialized in advance, so the receiver is the slower side."""
     message, serialized, send, listeners = import_module(kind).publisher()
     message.name, message.position = ["TURRET_Y", "TURRET_P"], [0.1, 0.2]
     message.velocity = message.effort = message.position

@@ -57,7 +57,7 @@ READ = {
     BARREL: "Your code probably reads a different joint. The turret's joint is TURRET_Y.",
 }
 """The likely cause of each wrong angle."""
-FORMAT = 'The number is right. Write two decimals, even if they are 0, and then the unit: f"{angle:.2f} rad".'
+FORMAT = 'The number is right. Write two decimal places, even if they are 0, and then the unit: f"{angle:.2f} rad".'
 DEGREES = "Your code probably converts the angle to degrees. The joint's position is already in radians."
 FAILED = "The angle is right, but success is False. When ask has returned, set response.success = True."
 EMPTY = (

@@ -9,7 +9,7 @@ displayed body hops:
 - If another blow arrives while the body is up, the body stays up until 0.5 s after that blow, but rises no higher.
   Other messages have no effect. Treat a blow as new even if its message repeats the previous one.
 - No blow is lost if up to five messages arrive while the executor's thread and the main thread are busy.
-- Use asyncio's timer, on the main thread. After each move, call `calc_forward_kinematics` and `notify_change`.
+- Use an asyncio timer on the main thread. After each move, call `calc_forward_kinematics` and `notify_change`.
 - After the controller has left the body, no timer is running, the body is back where it stood, and the node has
   destroyed the subscription.
 

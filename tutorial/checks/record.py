@@ -80,7 +80,7 @@ MISTAKES = [
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),
-    Mistake("your code collects the messages until the end, and loses them if the program "
+    Mistake("your code writes the messages only at the end, so they are lost if the program "
             "crashes: write each message before you get the next.",
             replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
 ]  # fmt: skip

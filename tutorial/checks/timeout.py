@@ -1,4 +1,4 @@
-"""The exercise `timeout`: recognise a command that is too old.
+"""The exercise `timeout`: recognize a command that is too old.
 
 Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called once per step, with the newest message
 and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.

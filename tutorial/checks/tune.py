@@ -19,7 +19,7 @@ Hint 3: new = {"speed": ..., "turn": ...} from get_parameter, then new.update({e
 parameters}). If new["speed"] + new["turn"] > 2.5, return SetParametersResult(successful=False, reason=...), otherwise
 SetParametersResult(successful=True). Register it with node.add_on_set_parameters_callback.
 
-Notice that rclpy itself refuses wrong types and values outside the range, before it calls your callback.
+Notice that rclpy itself rejects values of the wrong type or out of range, before it calls your callback.
 """
 
 import warnings

@@ -36,9 +36,9 @@ def robot_description(body: Body) -> str:
     """Return the URDF of a body.
 
     Elements that URDF lacks, such as tendons and ellipsoids, are omitted. Joints that do not appear in joint
-    states (joints in hidden groups, ball joints, unnamed joints) are fixed in the model's initial position. A joint
-    with a linear coupling to another joint mimics that joint; other equalities are omitted. A comment at the top counts
-    these differences. If the description moves differently from the robot, a warning is also logged.
+    states (joints in hidden groups, ball joints, unnamed joints) are fixed at their initial positions in the model. A
+    joint with a linear coupling to another joint mimics that joint; other equalities are omitted. A comment at the top
+    counts these differences. If the description moves differently from the robot, a warning is also logged.
 
     Args:
         body: a displayed body, whose model contains only this body.

@@ -215,7 +215,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def waiting(self) -> int:
-        """The number of posted calls that wait for the main thread."""
+        """The number of posted calls that are waiting for the main thread."""
         return len(self._calls)
 
     @property

@@ -105,7 +105,7 @@ class Project:
         """Return a copy of the project with a different model for the only body that has controllers.
 
         Args:
-            model: the MJCF or URDF file; the body gets the file's name, capitalised.
+            model: the MJCF or URDF file; the body gets the file's name, capitalized.
 
         Raises:
             TutorialError: no body or several bodies have controllers, the model cannot be loaded, or the file's name

@@ -16,7 +16,7 @@ from tutorial.ros.node_thread import TopicMeter
 
 
 def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: Sequence[Item] = ()) -> dict[str, Any]:
-    """Summarise the run of one process.
+    """Summarize the run of one process.
 
     Args:
         node: its node's name.

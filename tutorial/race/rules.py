@@ -7,10 +7,10 @@ from itertools import pairwise
 from typing import Any
 
 LIMIT = 40.0  # [s] the longest race
-REACH = 0.3  # [m] how close the tank's middle has to come to a point of the line; the tracks are 0.54 m apart
+REACH = 0.3  # [m] how close the tank's centre has to come to a point on the line; the tracks are 0.54 m apart
 SPACING = 0.01  # [m] between the points of the line
-SAMPLE = 10  # check one point in this many for a cut corner
-PATIENCE = 10.0  # [s] the longest time without progress, until the tank reaches the end of the line
+SAMPLE = 10  # one point in this many is checked for a cut corner
+PATIENCE = 10.0  # [s] maximum time without progress before the tank reaches the end of the line
 PAUSE = 0.5  # [s] how long a contact must be interrupted before it counts again
 SKIPPED = 0.7  # [m] a tank has cut a corner if it has followed the line for more than this beyond a missed point
 FASTEST = 5.0  # [m/s]; the tracks reach 3 m/s
@@ -45,7 +45,7 @@ class Result:
 
     @property
     def contacts(self) -> int:
-        """How often the tank has touched something."""
+        """The number of times the tank has touched something."""
         return len(self.touched)
 
     @property

@@ -52,7 +52,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         """Render a camera's image.
 
         Args:
-            qpos: MuJoCo's generalised positions, shape (nq,).
+            qpos: MuJoCo's generalized positions, shape (nq,).
             camera: the camera's id.
             width, height: the size of the image [px].
 

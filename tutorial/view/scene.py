@@ -54,12 +54,12 @@ class Record(IntEnum):
 
 
 def pack_command(command: dict[str, Any]) -> bytes:
-    """Serialise a meshcat command for meshcat's viewer. NumPy arrays become flat Float32Arrays."""
+    """Serialize a meshcat command for meshcat's viewer. NumPy arrays become flat Float32Arrays."""
     return msgpack.encode(command, enc_hook=_packed)
 
 
 def unpack_command(payload: bytes) -> dict[str, Any]:
-    """Parse a serialised command. Float32Arrays become arrays of shape ``(n,)``."""
+    """Parse a serialized command. Float32Arrays become arrays of shape ``(n,)``."""
     return msgpack.decode(payload, type=dict[str, Any], ext_hook=lambda _code, data: np.frombuffer(data, "<f4"))
 
 
@@ -68,7 +68,7 @@ def _packed(array: NDArray[np.float64]) -> msgpack.Ext:
 
 
 def pack_record(kind: Record, payload: bytes) -> bytes:
-    """Serialise one record. Concatenated records form a message."""
+    """Serialize one record. Concatenated records form a message."""
     return _HEAD.pack(len(payload), kind) + payload
 
 

@@ -121,8 +121,8 @@ WRONG += [
         (("a = message.", "if self.timer: self.timer.cancel()\na = message."), "reacts to a harmless message"),
         (("config.call_later", "lambda *call: config.call_latest('imu', *call)"), "Your code probably loses messages"),
         ((DESTROY, PUT_BACK), "puts the body back without"),
-        ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it has already landed"),
-        ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it has already landed"),
+        ((DESTROY, f"self.move(getattr(self, 'place', (0.0, 0.0, 0.0)))\n{DESTROY}"), "even if it is not up"),
+        ((DESTROY, f"if hasattr(self, 'place'): self.move(self.place)\n{DESTROY}"), "even if it is not up"),
         (("config.call_later", "asyncio.get_running_loop().call_soon_threadsafe"), "directly to the event loop"),
     ]
 ]

@@ -86,7 +86,7 @@ def module_name(name: str) -> str:
 
 
 def carried(message: Any) -> Any:
-    """Serialise and deserialise a message."""
+    """Serialize and deserialize a message."""
     return deserialize_message(serialize_message(message), type(message))
 
 
@@ -117,7 +117,7 @@ def messages(type_name: str) -> st.SearchStrategy[Any]:
 
 @settings(max_examples=200, suppress_health_check=list(HealthCheck))
 @given(st.data())
-def test_any_message_survives_serialisation(data):
+def test_any_message_survives_serialization(data):
     message = data.draw(messages(data.draw(st.sampled_from(ALL_TYPES))))
     assert carried(message) == message
     assert repr(carried(message)) == repr(message)

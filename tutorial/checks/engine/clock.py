@@ -21,7 +21,9 @@ AT_ONCE = (
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):
-    """An event loop whose time passes only in `advance`, without waiting. The learner's clocks show the same time.
+    """An event loop with a simulated clock: only `advance` moves the time forward, without waiting.
+
+    The learner's clocks show the same time.
 
     Args:
         trial: the trial whose clocks the loop advances.

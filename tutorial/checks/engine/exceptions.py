@@ -22,7 +22,7 @@ _RETURNS = {
     "control": _STEPS,
     "aim": _STEPS,
     "unconfigure": "To wait until a thread has ended, join it. An empty queue does not mean that the thread has ended.",
-    "update": "{} runs on the main thread, which does nothing else meanwhile: draw, and return.",
+    "update": "{} runs on the main thread, which can do nothing else in the meantime: draw, and return.",
     "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
 """Why a method must return at once, by the method's name."""

@@ -164,7 +164,7 @@ def _answer(
 def _needed(names: Iterable[str], statements: Sequence[_Statement], position: int) -> list[_Statement]:
     """Collect the statements that define names, recursively.
 
-    For a name that is defined before the given position, ignore all later definitions.
+    If a name is defined before the given position, ignore its definitions after that position.
     """
     found: set[int] = {i for i, each in enumerate(statements) if _is_star(each.node)}
     waiting, seen = list(names), set(names)

@@ -97,7 +97,7 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
 
 
 def _refuse() -> None:
-    """Make the kernel refuse some system calls of this process and its children."""
+    """Make the kernel reject certain system calls from this process and its children."""
     library = ctypes.CDLL(SECCOMP)
     library.seccomp_init.restype = ctypes.c_void_p
     rules = ctypes.c_void_p(library.seccomp_init(SCMP_ACT_ALLOW))

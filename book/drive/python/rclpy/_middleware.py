@@ -229,12 +229,12 @@ join = Participant
 
 
 def encode_nodes(guid: bytes, nodes: Sequence[NodeInfo]) -> bytes:
-    """Serialise a participant's announcement of its nodes."""
+    """Serialize a participant's announcement of its nodes."""
     return bytes(4) + guid + pickle.dumps(nodes)
 
 
 def decode_nodes(data: bytes) -> Any:
-    """Deserialise an announcement."""
+    """Deserialize an announcement."""
     return pickle.loads(data[20:])
 
 

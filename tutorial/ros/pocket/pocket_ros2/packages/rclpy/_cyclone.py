@@ -383,7 +383,7 @@ def join(domain_id: int) -> Participant:
 
 
 def encode_nodes(guid: bytes, nodes: Sequence[NodeInfo]) -> bytes:
-    """Serialise a participant's announcement of its nodes."""
+    """Serialize a participant's announcement of its nodes."""
     entries = [
         NodeEntitiesInfo(
             node_namespace=node.node_namespace,
@@ -397,7 +397,7 @@ def encode_nodes(guid: bytes, nodes: Sequence[NodeInfo]) -> bytes:
 
 
 def decode_nodes(data: bytes) -> list[NodeInfo]:
-    """Deserialise an announcement.
+    """Deserialize an announcement.
 
     Raises:
         RCLError: the bytes are not an announcement.

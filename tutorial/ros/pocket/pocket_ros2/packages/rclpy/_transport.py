@@ -67,7 +67,7 @@ class Writer(Entity, Protocol):
     """Sends a topic's messages."""
 
     def write(self, data: bytes) -> None:
-        """Send a serialised message."""
+        """Send a serialized message."""
 
     def wait_for_acks(self, timeout_ns: int) -> bool:
         """Wait until every reliable reader has received all messages; return False if the timeout [ns] expires."""

@@ -1,4 +1,4 @@
-"""Serialise and deserialise messages.
+"""Serialize and deserialize messages.
 
 Each message type has a wire type, made from its list of fields. The wire type is announced with each topic, and Cyclone
 DDS's codec uses it to read a message's attributes and encode them. Messages are decoded by the faster code in
@@ -40,7 +40,7 @@ def check_message_type(message_type: Any) -> None:
 
 
 def encode(message: Message) -> bytes:
-    """Serialise a message, with the four-byte header of little-endian plain CDR.
+    """Serialize a message, with the four-byte header of little-endian plain CDR.
 
     Raises:
         AttributeError: a field that must hold a message holds something else; rclpy raises the same exception.
@@ -59,7 +59,7 @@ def encode(message: Message) -> bytes:
 
 
 def decode(data: bytes, message_type: type[Message]) -> Message:
-    """Deserialise a message, ignoring padding and anything after the last field.
+    """Deserialize a message, ignoring padding and anything after the last field.
 
     Raises:
         RCLError: the bytes are not a message of this type.

@@ -21,7 +21,7 @@ class Publisher(Endpoint):
         return participant.create_writer(topic_name, type_name, self.qos_profile)
 
     def publish(self, msg: Message | bytes) -> None:
-        """Publish a message, given as an object or as serialised bytes.
+        """Publish a message, given as an object or as serialized bytes.
 
         Raises:
             TypeError: the message is of a different type, or a field holds a value that does not match its type.

@@ -1,4 +1,4 @@
-"""Serialise and deserialise messages."""
+"""Serialize and deserialize messages."""
 
 from _rosidl.message import Message
 from rclpy._wire import check_message_type, decode, encode
