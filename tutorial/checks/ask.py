@@ -19,7 +19,7 @@ Hint 3: In configure, group = MutuallyExclusiveCallbackGroup(), and create_clien
 In the callback, opened = await self.open_door.call_async(Trigger.Request()), and return opened if not opened.success.
 Otherwise, return the result of await self.go_home.call_async(Trigger.Request()).
 
-Notice that the callback reads like a list of steps, and that no second thread is needed.
+Notice that a coroutine reads like a list of steps, and that no second thread is needed.
 """
 
 from collections.abc import Iterator

@@ -129,6 +129,14 @@ class OnASecondNode(PitCrew):
         self.go_home = self.other.create_client(Trigger, "/go_home")
 
 
+class Spins(PitCrew):
+    """Spin the node in its own callback."""
+
+    def on_pit_stop(self, request, response):
+        rclpy.spin_until_future_complete(self.node, self.open_door.call_async(request))
+        return response
+
+
 class AsksTheSimulation(PitCrew):
     def configure(self, config):
         super().configure(config)
@@ -172,7 +180,7 @@ WRONG = [
         edited(ask, SYNC, *CALL, ("call(Trigger.Request()", "call(_request, timeout_sec=0.1")),
         "waits for a response that cannot arrive",
     ),
-    (edited(ask, OWN_GROUP), "separate callback group"),
+    (edited(ask, OWN_GROUP), "that the waiting callback is not in"),
     (edited(ask, ("opened = await", "opened =")), "Write await before it"),
     (edited(ask, SYNC, (f"await {OPEN}", f"{OPEN}.result()"), ("await ", "")), "no result until it is done"),
     (WithADoneCallback, TOO_EARLY),
@@ -206,4 +214,5 @@ WRONG = [
     (OnAThread, "Never wait or loop in a callback"),  # last, because its service stays until its thread ends
     (edited(ask, ("call_async(Trigger.Request())", "call_async(Trigger)")), "can send only a Trigger.Request()"),
     (edited(ask, ("CallbackGroup()", "CallbackGroup")), "MutuallyExclusiveCallbackGroup() creates a group"),
+    (Spins, "already spinning"),
 ]

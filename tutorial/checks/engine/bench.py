@@ -26,7 +26,11 @@ LOOKS = 500  # number of checks before a request counts as unanswered
 NO_SERVICE = "Your code probably doesn't create the service in configure, or creates it with a different name or type."
 UNANSWERED = (
     "Your code probably waits for a response that cannot arrive, or returns before it has the response. "
-    "Await call_async in a coroutine, with the clients in a separate callback group."
+    "Await call_async in a coroutine, with the clients in a callback group that the waiting callback is not in."
+)
+SPINS = (
+    "The executor is already spinning: its thread runs this callback, and can receive no response before the callback "
+    "returns or awaits. Await call_async in a coroutine."
 )
 SIGNATURE = "rclpy calls a service's callback with two arguments, the request and an empty response."
 FIELDS = "Set message to a text, and success to True or False."
@@ -254,6 +258,8 @@ def _from_callback(trial: Trial, error: BaseException) -> Failure:
     cause = next((cause for part, cause in NOT_THERE.items() if is_own and part in str(error)), None)
     if "event loop" in str(error):
         cause = NO_LOOP
+    if any(frame.f_code.co_name.startswith("spin") for frame, _ in frames):
+        cause = SPINS
     text = f"it raises {type(error).__name__}: {error}"
     return Failure(place.function, Misuse(text, cause) if cause else error.with_traceback(trace), place)
 
