@@ -133,7 +133,7 @@ class Spins(PitCrew):
     """Spin the node in its own callback."""
 
     def on_pit_stop(self, request, response):
-        rclpy.spin_until_future_complete(self.node, self.open_door.call_async(request))
+        self.node.executor.spin_until_future_complete(self.open_door.call_async(request))
         return response
 
 
