@@ -358,7 +358,7 @@ RULES: dict[str, Rule] = {
         _loopback,
         "Programs on one machine find each other through the loopback interface (127.0.0.1). "
         "In some containers, this interface is down at first.",
-        "Turn the interface on.",
+        "Bring the interface up.",
         command=TURN_ON,
         look="ip link show lo",
     ),
@@ -447,8 +447,8 @@ RULES: dict[str, Rule] = {
     "silent": Rule(
         "the publisher is silent",
         _silent,
-        "Perhaps nothing spins the publisher's node, a callback blocks the node, its simulation is paused, or "
-        "it rarely publishes.",
+        "Perhaps nothing spins the publisher's node, a callback blocks the node, the simulation is paused, or "
+        "messages are published only rarely.",
         "Check the publisher's program: something has to spin the node, as rclpy.spin(node) does, and each callback "
         "has to return.",
         look="topic hz TOPIC",
@@ -489,7 +489,8 @@ RULES: dict[str, Rule] = {
         _dropped,
         "A viewer ignores messages that are older than the message it last showed, and positions that it cannot use, "
         "such as NaN.",
-        "Publish each joint from only one publisher, with stamps that never jump backwards and with usable positions.",
+        "Publish each joint's position from only one publisher, with stamps that never jump backwards and "
+        "with usable values.",
         look="topic echo TOPIC",
     ),
     "nobody": Rule(
