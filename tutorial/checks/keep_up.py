@@ -3,9 +3,9 @@
 Write the controller `CalmViewer` for messages that each contain the whole state. It works like `MyViewer`, but keeps
 up with any publisher:
 
-- While the main thread is busy, at most one call waits for it. When this call runs, it draws only the newest message.
+- While the main thread is busy, at most one call waits for it. When this call runs, it shows only the newest message.
 - So the viewer may skip messages. But the last message is always shown, even if the publisher then falls silent, and
-  even if it arrives while another message is being drawn.
+  even if it arrives while another message is being processed.
 
 Hint 1: Look at what waits while the main thread is busy. MyViewer posts a call for every message, although you will see
 only the newest message. What has to happen to a waiting call when the next message arrives?

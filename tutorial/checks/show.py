@@ -7,8 +7,8 @@ no difference.
 - The displayed body belongs to the main thread. The callback only posts a call (`config.call_later`) and returns.
 - The posted call matches joints by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and
   calls `notify_change`. Match joints with your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
-- Show every message, even a repeated one, and even if its stamp is smaller after a restart of the publisher. You may
-  drop a message that is merely late, as `JointMatcher` does.
+- Show every message, even a repeated one, and even if its stamp is earlier because the publisher has restarted. You
+  may drop a message that is merely late, as `JointMatcher` does.
 - `MyViewer` works on any body. In `unconfigure`, have the node destroy the subscription.
 
 Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
