@@ -1,10 +1,10 @@
 """The exercise `tune`: parameters that other programs can set, and a check that refuses.
 
-Write the controller `TrackLimits`. It declares two parameters of the program's node, `speed` and `turn` [m/s], with the
+Write the controller `TrackLimits`. It declares two parameters on the program's node, `speed` and `turn` [m/s], with the
 initial values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without a step size.
 
-- The sum of both must not exceed 2.5. The controller refuses values with a larger sum, and the reason contains the sum,
-  such as `3.5`.
+- Their sum must not exceed 2.5. The controller rejects values with a larger sum, and the reason contains the sum, such
+  as `3.5`.
 - If both are set together, only the new values matter. The controller ignores other parameters.
 - `limits()` returns the current values as a list or tuple, `(speed, turn)`.
 - In `unconfigure`, when the controller leaves the body, it removes its callbacks and undeclares both parameters.
