@@ -112,7 +112,7 @@ def write_site(static: Path) -> None:
         for name in names:
             shutil.copyfile(packages / package.rpartition("@")[0] / name, folder / name)
     lock = json.loads((packages / "pyodide" / LOCK).read_text(encoding="utf-8"))
-    # With packages in its lock file, Pyodide would use other sites.
+    # If its lock file listed packages, Pyodide would load them from other sites.
     (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")
     with TemporaryDirectory() as course:
         write_python(Path(course))
@@ -145,7 +145,7 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
     setup = {
         "node": "tank" if project.time_step else "viewer",
         "simulates": project.time_step is not None,
-        "xml": spec.to_xml().replace(' input="vel"', ""),  # MuJoCo 4 writes this, but the page's 3.14 rejects it
+        "xml": spec.to_xml().replace(' input="vel"', ""),  # MuJoCo 4 writes this, but the page's MuJoCo 3.14 rejects it
         "joints": [
             {"name": j.name, "limits": j.range, "qpos": j.qpos_adr, "dof": j._dof_adr, "ctrl": motors[j.name]}
             for j in body.joints

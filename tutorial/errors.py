@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-WIDE_SPACES = "\u00a0\u3000"  # no-break and ideographic space: visible, though Python calls them unprintable
+WIDE_SPACES = "\u00a0\u3000"  # no-break and ideographic spaces: visible, though Python calls them unprintable
 
 
 class TutorialError(Exception):

@@ -36,7 +36,7 @@ Ts = TypeVarTuple("Ts")
 
 CROWD = 1000  # waiting calls; a warning is logged if there are more
 LONG_WAIT = 10.0  # [s]; a warning is logged if a call waits longer
-PATIENCE = 1.0  # [s] the longest wait for an answer; a step takes a few milliseconds
+PATIENCE = 1.0  # [s] maximum time to wait for an answer; a step takes a few milliseconds
 NOT_RUNNING = "the simulation is not running. Start it, and ask again."
 BUSY = (
     "the main thread is too busy for the calls posted to it: %d waiting, the first for %.1f s. Do less in each call; "
@@ -119,7 +119,7 @@ class CallQueue:
             replaced = self._waiting.get(key)
             if replaced is not None:
                 call.take_place_of(replaced)
-            self._waiting[key] = call  # a new key is added at the end; a known key keeps its place
+            self._waiting[key] = call  # a new key is added at the end; an existing key keeps its place
         self._warn_if_busy()
 
     def _request_turn(self) -> bool:
@@ -291,8 +291,8 @@ class RequestQueue:
                 raise WrongThreadError("ask was called on the simulation's thread. Call the function directly.")
             self._waiting.append((answer, partial(function, *args)))
         wait([answer], timeout)
-        # cancel() settles the race: it returns False if the simulation's thread has already begun the request.
-        if answer.cancel():  # the request will never begin
+        # cancel() settles the race: it returns False if the simulation's thread has already started the request.
+        if answer.cancel():  # the request will never be started
             raise RefusedError(f"the simulation did not finish its step within {timeout:g} s.")
         if not answer.done():
             raise RefusedError(f"the request was started, but did not return within {timeout:g} s.")

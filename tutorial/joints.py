@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 NAMES_KEPT = 3  # in each `NameList`, so that a report is small even if a message has many names
 SECOND_NS = 1_000_000_000  # [ns] a stamp that jumps back further means that the publisher was restarted
 PAUSE_NS = 10 * SECOND_NS  # [ns] the longest allowed pause between messages from one of several publishers
-SHOWABLE = 1e9  # [rad or m] the largest position; views draw in single precision, which can still represent its square
+SHOWABLE = 1e9  # [rad or m] largest usable position; views use single precision, which can represent even its square
 SLACK = 1e-3  # [rad or m] a range can be exceeded by this much without a report, because simulated limits are soft
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further than REACH + SPEED * time is a jump
 # A jump counts as a jump back to the position before last, or as a jump to a rival's position, if it misses that
@@ -97,7 +97,7 @@ class JointReport(NamedTuple):
     """The result of matching one message."""
 
     joints: tuple[str, ...] = ()  #: the joints that received a position
-    arrival: Arrival = Arrival.NEXT  #: how the message follows the previous ones
+    arrival: Arrival = Arrival.NEXT  #: how the message relates to the previous ones
     unmoved: NameList = NameList()  #: joints that did not move, because their positions were late or came from a rival
     unknown: NameList = NameList()  #: names that the body has no joint for
     duplicate: NameList = NameList()  #: joints named more than once; the last usable number was used

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 LARGEST = 100_000  # maximum total of numbers and characters in a joint state message: more than any robot needs
 FARTHEST = 1e9  # [m]; views use single precision, which can represent even the square of this
-TOLERANCE = 0.01  # tolerance of a unit quaternion's squared length
+TOLERANCE = 0.01  # tolerance for a unit quaternion's squared length
 QUIET = 50  # messages skipped silently at the start, while only one topic's publisher has been discovered
 
 

@@ -44,7 +44,7 @@ STEP = 0.02  # [s]
 LONG_STEP = 1.2  # [s]
 ENOUGH = 1.0  # [s] time limit for the response to a request
 TIMEOUTS = 0.3, 0.7  # [s] the shortest and the longest wait that count as 0.5 s
-# Angles that a right answer never reads [rad]
+# Angles that a correct answer never reads [rad]
 DISPLAYED, FIRST, DURING, BARREL, STORED = 3.33, 5.55, 9.99, 7.77, 8.88
 
 ASK = "Have the simulation's thread read the joint for each request: self.ask(self.read, timeout=0.5)."

@@ -30,7 +30,7 @@ from tutorial.ros.wheels.folder import RANGE
 from tutorial.system.printing import print_text
 
 WIDTH = 100  # columns, including 20 for subject and level
-TIMEOUT = 45  # [s] the longest wait for an answer: imports are slow on a loaded machine
+TIMEOUT = 45  # [s] maximum time to wait for an answer: imports are slow on a loaded machine
 FIRST_LOOK = 4.0  # [s] until the graph counts as known: nodes on Fast DDS show up after 1 to 4 s
 
 PIP = "python -m pip install"

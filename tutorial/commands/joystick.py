@@ -84,7 +84,7 @@ class Gamepad:
             from pygame._sdl2 import controller  # noqa: PLC0415
         except ImportError:
             return None
-        pygame.display.init()  # SDL's events need the video subsystem
+        pygame.display.init()  # SDL events need the video subsystem
         controller.init()
         for i in range(controller.get_count()):
             if controller.is_controller(i):

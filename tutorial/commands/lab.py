@@ -95,7 +95,7 @@ def trust(folder: Path, **settings: str) -> None:
         folder: the folder of the notebooks.
         settings: settings of Jupyter's notary, for instance ``data_dir``.
     """
-    logging.getLogger("traitlets").setLevel(logging.WARNING)  # the notary logs the path of its key as info
+    logging.getLogger("traitlets").setLevel(logging.WARNING)  # the notary logs the path of its key at info level
     notary = NotebookNotary(**settings)  # type: ignore[no-untyped-call]
     for path in sorted(folder.glob("[0-9]*_*.ipynb")):
         try:

@@ -135,7 +135,7 @@ class Launcher:
             for line in process.stdout or ():
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
-        if status >= 0:  # if a signal killed the process, others in its group may still run
+        if status >= 0:  # if a signal killed the process, others in its group may still be running
             self._running.pop(name, None)
         if status and not self._stop.is_set():
             self._status = status if status > 0 else 128 - status

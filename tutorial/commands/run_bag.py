@@ -11,7 +11,7 @@ from tutorial.program.host import Host
 from tutorial.ros.bags import Recorder
 
 LOOK_EVERY = 0.02  # [s]
-MEET_FOR = 5.0  # [s] the longest wait for the publishers before the program runs
+MEET_FOR = 5.0  # [s] maximum time to wait for the publishers before the program runs
 
 
 @asynccontextmanager

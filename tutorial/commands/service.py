@@ -81,7 +81,7 @@ async def get(node: MeteredNode, node_name: str, parameter_name: str) -> None:
     print_text(await param_get(node, node_name, parameter_name))
 
 
-@param.command("set", context_settings={"ignore_unknown_options": True})  # VALUE can be -1.0
+@param.command("set", context_settings={"ignore_unknown_options": True})  # VALUE can be negative, such as -1.0
 @click.argument("node_name")
 @click.argument("parameter_name")
 @click.argument("value")

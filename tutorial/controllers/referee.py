@@ -25,7 +25,7 @@ class Referee(SimpleController):
     only the motors move the tank.
     """
 
-    limit = LIMIT  # [s] the longest duration of a race
+    limit = LIMIT  # [s] maximum duration of a race
     begun = False
 
     def configure(self, config: ControllerConfig) -> None:  # main thread

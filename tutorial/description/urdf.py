@@ -56,9 +56,9 @@ class _Writer:
         self.body = body
         self.model = body.model
         self.robot = Element("robot", name=body.name)
-        self.links = {WORLD: self._add_link(ROOT)}  # the links by MuJoCo's body id
+        self.links = {WORLD: self._add_link(ROOT)}  # the links, keyed by MuJoCo body ID
         names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
-        self.published = frozenset(body.joint_names)  # the joints that joint states contain
+        self.published = frozenset(body.joint_names)  # the joints included in joint states
         self.mimics = self._mimics()
         self.moving = self.published.union(self._joint_name(each) for each in self.mimics)
         self.names = {"link": {ROOT, *names}, "joint": set(self.moving)}

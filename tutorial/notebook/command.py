@@ -14,7 +14,7 @@ from tutorial.system import parent_watch
 from tutorial.system.paths import HOME, with_own_commands
 
 TIMEOUT = 5.0  # [s] between asking a command to stop and killing it
-LONGEST = 120.0  # [s] the longest wait for a command to exit by itself
+LONGEST = 120.0  # [s] maximum time to wait for a command to exit by itself
 LINES_KEPT = 1000
 
 

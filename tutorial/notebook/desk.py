@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError, printable_lines
 
-TIMEOUT = 30.0  # [s] how long `until` waits at most: a classroom's server can be slow
+TIMEOUT = 30.0  # [s] how long `until` waits at most: a classroom server can be slow
 LOOK_EVERY = 0.01  # [s] between checks of a condition
 LINES_KEPT = 100
 

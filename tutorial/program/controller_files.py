@@ -69,7 +69,7 @@ def load_controllers(path: Path, only: str | None = None) -> dict[str, type[Simp
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise TutorialError(describe_error(error, str(path.absolute()))) from error  # the path as tracebacks write it
+        raise TutorialError(describe_error(error, str(path.absolute()))) from error  # the path as tracebacks show it
     found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
     if not found:
         raise TutorialError(f"{path} defines no controller. A controller is a class derived from SimpleController.")

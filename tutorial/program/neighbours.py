@@ -31,7 +31,7 @@ class Neighbours:
         self._ros = ros
         self._publishes_clock = publishes_clock
         self._checked_at = 0.0
-        self._counts: dict[str, int] = {}  # the last count, by the text of its warning
+        self._counts: dict[str, int] = {}  # the last count, keyed by the text of its warning
 
     def check(self) -> None:
         """At most once a second, count the nodes of this name and the clock's publishers; warn if a count has risen."""

@@ -27,7 +27,7 @@ class SimulatedRun:
 
     simulation: Simulation
     has_duration: bool
-    _step: int = 0  # the step at the last call of `is_over`
+    _step: int = 0  # the step at the last call to `is_over`
     _still: int = 0  # frames without a step (not seconds: they also pass while the whole process is suspended)
 
     def is_over(self) -> bool:

@@ -6,9 +6,9 @@ from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-LIMIT = 40.0  # [s] the longest race
+LIMIT = 40.0  # [s] maximum duration of a race
 REACH = 0.3  # [m] how close the tank's centre has to come to a point on the line; the tracks are 0.54 m apart
-SPACING = 0.01  # [m] between the points of the line
+SPACING = 0.01  # [m] between the points on the line
 SAMPLE = 10  # one point in this many is checked for a cut corner
 PATIENCE = 10.0  # [s] maximum time without progress before the tank reaches the end of the line
 PAUSE = 0.5  # [s] how long a contact must be interrupted before it counts again

@@ -28,6 +28,6 @@ def check_package_name(name: str) -> None:
 
 def _nearest(name: str) -> str:
     """Suggest a valid package name; return ``""`` if too little of the given name would be left."""
-    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)  # between the words of CamelCase
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)  # between the words of a CamelCase name
     near = re.sub(r"[^a-z0-9]+", "_", words.lower()).strip("_0123456789")
     return f" Did you mean {near!r}?" if VALID.fullmatch(near) else ""

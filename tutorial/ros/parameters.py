@@ -21,7 +21,7 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listing import node_names
 from tutorial.ros.topics.names import escape_name
 
-PATIENCE = 5.0  # [s] the longest wait for a node's services, as in ros2, and for each response
+PATIENCE = 5.0  # [s] maximum time to wait for a node's services, as in ros2, and for each response
 TRIES = 3  # number of unanswered requests before a node counts as unresponsive
 
 NAMES = (

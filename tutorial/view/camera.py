@@ -16,8 +16,8 @@ from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, advice
 
-TIMEOUT = 30.0  # [s] the longest wait for an image in lockstep; rendering the first image also starts OpenGL
-UNSET = (1, 1)  # [px] MuJoCo's resolution for a camera that sets none
+TIMEOUT = 30.0  # [s] maximum time to wait for an image in lockstep; rendering the first image also starts OpenGL
+UNSET = (1, 1)  # [px] MuJoCo's default resolution, for a camera that sets none
 NO_PICTURES = "cameras do not work, but everything else does: rendering failed (%s). %s."
 _log = logging.getLogger(__name__)
 
@@ -35,7 +35,7 @@ class Camera:
     width: int
     height: int
     body: Body = field(repr=False)
-    number: int = field(repr=False)  # MuJoCo's id of the camera in the whole model
+    number: int = field(repr=False)  # the camera's MuJoCo ID in the whole model
     renderer: CameraRenderer = field(repr=False)
 
     def capture(self, deliver: Callable[..., object], *args: object) -> None:
@@ -86,7 +86,7 @@ class CameraRenderer:
         self.error: BaseException | None = None
         self._owner = threading.current_thread()
         self._changed = threading.Condition()
-        self._requests: dict[Camera, _Request] = {}  # the newest request of each camera
+        self._requests: dict[Camera, _Request] = {}  # the newest request for each camera
         self._at_work: _Request | None = None
         self._thread: threading.Thread | None = None
         self._closed = False

@@ -104,7 +104,7 @@ def _findings(told: Sequence[bytes], files: Collection[str], status: int | None)
         status: the exit status.
     """
     findings = [msgspec.json.decode(line, type=Finding) for line in told if line.startswith(b"{")]
-    if DONE not in told:  # the process ended early; its other lines are Python's traceback
+    if DONE not in told:  # the process ended early; its other lines are a Python traceback
         findings.append(_bad_end(b"".join(told).decode(errors="replace"), files, status or 0))
     return tuple(findings)
 

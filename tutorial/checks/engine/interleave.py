@@ -72,7 +72,7 @@ def interleave(trial: Trial, function: Callable[[], object], between: Callable[[
 def traced(trial: Trial, enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
     """Trace this thread's code, instruction by instruction in frames that request it."""
     before = sys.gettrace()
-    sys._getframe().f_trace_opcodes = True  # Python 3.12 reads this attribute of frames only in settrace
+    sys._getframe().f_trace_opcodes = True  # Python 3.12 reads this frame attribute only in settrace
     trial.is_interleaved = True
     sys.settrace(enter)
     try:

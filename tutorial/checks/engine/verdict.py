@@ -9,7 +9,7 @@ WRONG_SHOWN = 2  # number of causes to show; later causes are often consequences
 OUTPUT_SHOWN = 20  # lines
 WIDTH = 200  # characters per line
 
-_STAMP = re.compile(r"^\[(\w+)\] \[\d+\.\d+\] ")  # a log line's time, different in every run
+_STAMP = re.compile(r"^\[(\w+)\] \[\d+\.\d+\] ")  # a log line's time, which differs in every run
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from pathlib import Path
 from tutorial.errors import TutorialError
 from tutorial.system.paths import COURSE, PACKAGE, is_course
 
-FOLDER_SIZE = 64 << 20  # total size of all files [bytes]
+FOLDER_SIZE = 64 << 20  # maximum total size of the files in a writable folder [bytes]
 SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/sys")
 LIMITS = {
     resource.RLIMIT_AS: 4 << 30,  # bytes of address space per process; MuJoCo and DDS map about 1 GB

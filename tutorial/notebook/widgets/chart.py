@@ -18,8 +18,8 @@ MARGIN = 0.08  # margin above and below the curves, relative to their height
 MOST_CURVES = len(svg.SERIES)
 MOST_PIECES = 100  # per curve
 POINTS_DRAWN = 1200  # per curve
-LONGEST_NAME = 16  # maximum number of characters of a curve's name in the legend
-ROW, PER_ROW = 18, 4  # the legend's row height [px], and its names per row
+LONGEST_NAME = 16  # maximum number of characters in a curve's name in the legend
+ROW, PER_ROW = 18, 4  # the legend's row height [px], and the number of names per row
 SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 

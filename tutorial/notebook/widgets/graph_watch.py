@@ -19,7 +19,7 @@ from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is
 
 MOST = 40  # the maximum number of nodes, and of topics, to show
 LOOKS_KEPT = 7  # the number of counts that a topic's rate is computed from
-DEPTH = 100  # messages that can wait for the executor; further messages are not counted
+DEPTH = 100  # number of messages that can wait for the executor; further messages are not counted
 
 
 @dataclass(frozen=True)

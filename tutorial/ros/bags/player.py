@@ -28,7 +28,7 @@ SETTLE_FOR = 0.3  # [s] how long a discovered subscription takes, with Fast DDS,
 LOOP_PAUSE = 0.02  # [s] pause before a bag is played again: otherwise, a bag with one message would use a whole core
 LONGEST_WAIT = 1.0  # [s] between progress reports
 LAST_SECOND = 2**31 - 1  # the latest second that a stamp can hold
-ACKNOWLEDGED_IN = 1.0  # [s] the longest wait for acknowledgements
+ACKNOWLEDGED_IN = 1.0  # [s] maximum time to wait for acknowledgements
 
 _log = logging.getLogger(__name__)
 

@@ -25,7 +25,7 @@ from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, m
 
 LOOK_EVERY = 0.1  # [s] between checks for new topics and received messages
 QUIET = 0.1  # [s]; after this long without messages, the recorder expects no more
-FLUSH_EVERY = 1.0  # [s]; if the recorder is killed, at most the messages of this period are lost
+FLUSH_EVERY = 1.0  # [s]; if the recorder is killed, at most the messages from this period are lost
 DEPTH = 1000  # depth of the subscriptions; the publishers' own depths can be too small while Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # [bytes] maximum total size of the messages waiting to be written
 

@@ -75,7 +75,7 @@ class SqliteWriter:
     def _run(self, statement: str, *values: Any) -> None:
         try:
             self._database.execute(statement, values)
-        except sqlite3.Error as error:  # callers handle OSError, as for a full disk
+        except sqlite3.Error as error:  # callers handle OSError, as they do for a full disk
             raise OSError(0, str(error)) from error
 
 

@@ -179,7 +179,7 @@ def _at_zero(message: Any) -> Any:
     return still
 
 
-# Functions that change the content of a message with at least one name and as many positions as names.
+# Functions that change the content of a message. The message has at least one name, and one position per name.
 
 
 def _reorder(message: Any, order: list[int]) -> None:

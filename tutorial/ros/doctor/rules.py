@@ -17,7 +17,7 @@ from tutorial.ros.doctor.facts import Endpoint, Facts, Program, Topic
 from tutorial.ros.loopback import TURN_ON
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name
 
-PLACES = 32  # programs that can be in one domain on one machine, with Cyclone DDS
+PLACES = 32  # maximum number of programs in one domain on one machine, with Cyclone DDS
 SIMILAR = 0.8  # the minimum difflib ratio for two names to count as similar
 MOST = 3  # the maximum number of causes, and of names in a list
 ONCE = ("robot_description", "map", "tf_static")  # last parts of the names of topics that are usually published once

@@ -22,7 +22,7 @@ from tutorial.ros.topics.message_yaml import field_text
 from tutorial.ros.topics.names import escape_name, full_topic, message_class
 
 LOOK_EVERY = 0.1  # [s] between checks for a topic that does not exist yet
-HZ_EVERY = 1.0  # [s] between reports of topic_hz
+HZ_EVERY = 1.0  # [s] between reports from topic_hz
 DEFAULT_WINDOW = 10_000  # intervals, as in ros2 topic hz
 
 NO_TYPE = "Could not determine the type for the passed topic"

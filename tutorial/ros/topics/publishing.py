@@ -19,7 +19,7 @@ DEPTH = 10  # depth of the queue, as in rclpy's default profile
 LOOK_EVERY = 0.1  # [s] between checks for subscriptions
 TELL_EVERY = 10  # number of checks between reports of the wait
 KEEP_ALIVE = 0.1  # [s] how long the publisher stays alive after its last message, as in ros2
-ACKNOWLEDGED_IN = 1.0  # [s] the longest wait for acknowledgements
+ACKNOWLEDGED_IN = 1.0  # [s] maximum time to wait for acknowledgements
 
 
 async def topic_pub(

@@ -100,7 +100,7 @@ def _check_free(name: str, prefix: Path) -> None:
     site = folder.site_packages(prefix)
     if name == TF2_MSGS.name or any(site.glob(f"ros_{name}-*.dist-info")):
         raise TutorialError(f"ROS 2 already has a package {name!r}. Choose a different name, such as {f'my_{name}'!r}.")
-    if not (VALID.fullmatch(name) and (site / name).exists()):  # otherwise, the package is an earlier build
+    if not (VALID.fullmatch(name) and (site / name).exists()):  # otherwise, the existing package is an earlier build
         check_package_name(name)
 
 
@@ -113,7 +113,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
     tools = prefix / "build"
     fill(tools, TOOLS, report)
     scratch = tools / "scratch"
-    shutil.rmtree(scratch, ignore_errors=True)  # files of a killed build
+    shutil.rmtree(scratch, ignore_errors=True)  # files left by a killed build
     options = [
         f"-DCMAKE_INSTALL_PREFIX={scratch / 'install'}",
         f"-DCMAKE_MAKE_PROGRAM={tools / 'bin/ninja'}",

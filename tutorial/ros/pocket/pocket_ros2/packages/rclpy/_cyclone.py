@@ -459,7 +459,7 @@ def _forget() -> None:
     global _forked  # noqa: PLW0603
     _forked = _forked or bool(_domains)
     for entity in list(core.Entity._entities.values()):
-        entity._ref = 0  # refers to no entity: every call fails, and the finaliser does nothing
+        entity._ref = 0  # refers to no entity: every call fails, and the finalizer does nothing
     core.Entity._entities.clear()
     _domains.clear()
     _users.clear()

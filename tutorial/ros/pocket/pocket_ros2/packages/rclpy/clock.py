@@ -36,7 +36,7 @@ class Clock:
     _clock_type: ClockType
     _timers: set[Timer]  # timers that use this clock
     _jumped: threading.Condition  # notified when the simulated time changes
-    _switches = 0  # number of switches between the system's time and simulated time
+    _switches = 0  # number of switches between system time and simulated time
     _is_simulated = False
     _simulated_ns = 0  # the simulated time
 
