@@ -9,7 +9,7 @@ all is well:
 - `"reliability"`: a `reliable` subscription has no `reliable` publisher of its type.
 - `"durability"`: a `transient_local` subscription has no publisher of its type that is both reliable enough and
   `transient_local`.
-- `"clock"`: no message arrives, at least one publisher's node follows `/clock`, and no message arrives on `/clock`,
+- `"clock"`: no message arrives, at least one publisher's node follows `/clock`, and no message arrives on `/clock`
   either.
 - `"silent"`: there is a publisher, but no message arrives.
 - `"dropped"`: messages arrive, but more than half of them move no joint.

@@ -1,13 +1,13 @@
 """The exercise `where`: transform a point from frame to frame.
 
-Write the function `where_is(transforms, point)`. It returns x, y and z [m] of the point in the outermost frame, as a
+Write the function `where_is(transforms, point)`. It returns the point's x, y and z [m] in the outermost frame, as a
 list, a tuple or an array of three numbers. The error must be at most 0.1 mm, so don't round.
 
 - `transforms` is a list of `TransformStamped`, from the outermost to the innermost: the parent of the first one is the
   outermost frame, and the child of each is the parent of the next.
 - `point` is x, y and z in the child frame of the last transform: a tuple, a list or an array, of ints or floats. If
   `transforms` is empty, return the point unchanged.
-- It works with any number of transforms and any rotation. Don't change the list, the messages or the point.
+- `where_is` works with any number of transforms and any rotation. Don't change the list, the messages or the point.
 
 Hint 1: Which frame is the point in? Only the last transform applies to that frame. Where is the point after this
 transform, and which frame is it in then?
