@@ -52,7 +52,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
 def printable(text: str) -> str:
     """Escape every invisible character in untrusted text, so that a terminal can print it safely.
 
-    These are line breaks, lone surrogates, characters that reverse the direction of writing, and control characters,
+    These are line breaks, lone surrogates, characters that reverse the text direction, and control characters,
     which a terminal would interpret.
 
     Returns:
@@ -74,7 +74,7 @@ def printable_lines(text: str) -> str:
 
 
 def file_of(written: type) -> str:
-    """Return the file, or the notebook's cell, that defines a class; empty if the class has no methods."""
+    """Return the file, or the notebook cell, that defines a class; empty if the class has no methods."""
     codes = (getattr(attribute, "__code__", None) for attribute in vars(written).values())
     return next((code.co_filename for code in codes if code is not None), "")
 

@@ -6,7 +6,7 @@ belongs to a different thread, so it hands over what it received and returns. Th
 - as a *snapshot*, if only the newest value matters: `Latest` and `CallScope.call_latest`;
 - as an *event*, if every value matters: `CallScope.call_later`.
 
-A service's callback needs a result: `RequestQueue.ask` has the simulation's thread call a function and returns the
+A service callback needs a result: `RequestQueue.ask` has the simulation's thread call a function and returns the
 function's result.
 """
 
@@ -71,7 +71,7 @@ class Latest(Generic[T]):
 
 
 class CallQueue:
-    """Calls that any thread may post. The main thread's event loop runs them in the order of posting.
+    """Calls that any thread may post. The main thread's event loop runs them in the order they were posted.
 
     The first call in an empty queue requests a turn of the event loop with `call_soon_threadsafe`. A turn runs only the
     calls that were waiting when it began, so that calls that post calls cannot block the loop. A warning is logged once
@@ -145,7 +145,7 @@ class CallQueue:
         _log.warning(BUSY, count, waited, first.scope.owner)
 
     def _turn(self) -> None:
-        """Run the calls that are waiting now; calls posted meanwhile get the next turn. Main thread only."""
+        """Run the calls that are waiting now; calls posted in the meantime run in the next turn. Main thread only."""
         try:
             self._warn_if_busy()
             for _ in range(len(self._waiting)):
@@ -276,7 +276,7 @@ class RequestQueue:
         Args:
             function: the function.
             args: its arguments.
-            timeout: the longest wait [s].
+            timeout: the maximum time to wait [s].
 
         Raises:
             RefusedError: the function was not called, or did not return in time; the text says which of these happened.
@@ -299,9 +299,10 @@ class RequestQueue:
         return answer.result()
 
     def run_waiting(self) -> None:
-        """Carry out the requests that are waiting now. Only for the simulation's thread, between two steps.
+        """Carry out the requests that are waiting now.
 
-        Requests that arrive meanwhile wait for the next call, so that callers cannot hold up the simulation.
+        Call this only on the simulation's thread, between two steps. Requests that arrive in the meantime wait for the
+        next call, so that callers cannot hold up the simulation.
         """
         with self._lock:
             requests = self._waiting

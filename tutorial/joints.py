@@ -84,7 +84,10 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the previous ones. If the joints' values differ, the report has the one listed last."""
+    """How a message follows the previous ones.
+
+    If the joints of a message have different values, the report contains the value that is listed last here.
+    """
 
     NEXT = ""  #: the publisher's next message
     RESTARTED = "the publisher was restarted"  #: the message's stamp jumps far back
@@ -119,7 +122,7 @@ class JointReport(NamedTuple):
         return self == JointReport(self.joints, known=self.known)
 
     def counts(self) -> dict[str, int]:
-        """Return the number of joints or names of each kind, to be summed up over many messages."""
+        """Return the number of joints or names of each kind, to be summed over many messages."""
         arrivals = {each.name.lower(): int(each is self.arrival) for each in Arrival if each is not Arrival.NEXT}
         found = {kind: getattr(self, kind) for kind in self._fields[2:-1]}  # from `unmoved` to `outside`
         totals = {kind: each.total if isinstance(each, NameList) else each for kind, each in found.items()}
@@ -152,9 +155,9 @@ class JointMatcher:
     """Decides which joints each message of one topic moves. It has no thread and no clock.
 
     `match_joints` matches the names. Then each joint is judged separately, against the message that moved it last: an
-    older message is late, and a message more than a second older means that the publisher was restarted. Publishers of
-    different joints are all shown. If several publish the same joint, one of them is followed until it stops
-    publishing.
+    older message is late, and a message more than a second older means that the publisher was restarted. If
+    publishers have no joints in common, all of their joints are shown. If a joint has several publishers, one of them
+    is followed until it stops publishing.
 
     Args:
         joints: the names of the body's joints, or a mapping from each name to a range ``(lower, upper)`` [rad or m].
@@ -264,7 +267,7 @@ class _Publishers:
         return any(rivals > 1 or off[joint] < NEAR_RIVAL * moved[joint] for joint in far)
 
     def _jumps_back(self, joint: str, position: float) -> float:
-        """Count the jumps of a joint back to its position before last. Any other jump reduces the count."""
+        """Count a joint's jumps back to its position before last. Any other jump reduces the count."""
         last, before, jumps = self._history.get(joint, (position, inf, 0))
         moved = abs(position - last)
         if moved > min(REACH, self._half_range[joint]):

@@ -59,7 +59,7 @@ MARK = "TANK_RACE"  # environment variable that a driver's processes inherit
 
 @dataclass(frozen=True)
 class Entry:
-    """One row of the table of scores.
+    """One row of the score table.
 
     Attributes:
         driver: the driver's file.
@@ -95,7 +95,7 @@ class Options:
     Attributes:
         line: the file that defines the line.
         view: whether to serve a 3D view.
-        limit: the longest duration of a race [s], in simulated time.
+        limit: the maximum duration of a race [s], in simulated time.
         loud: whether to print the driver's output on stderr.
         is_sandboxed: whether the driver runs in a sandbox.
         fingerprint: the value of `fingerprint` before the first race.
@@ -197,7 +197,7 @@ class Driver:
 
 
 async def race(path: Path, name: str, html: Path | None, project: Project, options: Options) -> Entry:
-    """Run one race in a separate ROS domain, then stop everything that the race has started.
+    """Run one race in a separate ROS domain, then stop everything that the race started.
 
     Args:
         path: the driver's file.

@@ -44,7 +44,7 @@ def install_command() -> None:
 def build(package: Path) -> None:
     """Build the interface package in the folder PACKAGE, and install it beside the messages of the real ROS 2.
 
-    tank package --interfaces makes such a package. Building it needs a C++ compiler.
+    tank package --interfaces makes such a package. Building it requires a C++ compiler.
     """
     folder.check()
     with _interruptible() as report:

@@ -66,7 +66,7 @@ def main(args: list[str] | None = None) -> None:
 def tank() -> None:
     """Learn ROS 2 by building a tank, step by step.
 
-    Every command accepts ROS 2's arguments after --ros-args, such as -r __node:=viewer.
+    Every command accepts ROS 2 arguments after --ros-args, such as -r __node:=viewer.
     """
 
 

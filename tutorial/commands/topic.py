@@ -57,7 +57,7 @@ async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
 async def echo(
     node: MeteredNode, topic_name: str, message_type: str | None, once: bool, field: str | None, no_arr: bool
 ) -> None:
-    """Print the messages of a topic as they arrive, until Ctrl-C.
+    """Print the messages on a topic as they arrive, until Ctrl-C.
 
     With MESSAGE_TYPE, subscribe even if nobody publishes on the topic yet, or if it has several types.
     """

@@ -1,4 +1,4 @@
-"""``tank doctor TOPIC``: print why no messages of a topic arrive here."""
+"""``tank doctor TOPIC``: print why no messages on a topic arrive here."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ from tutorial.system.printing import print_text
 
 
 def doctor_of(topic: str, ros_args: Sequence[str], domains: Sequence[int] = ()) -> int:
-    """Print why no messages of a topic arrive here, or that all is well.
+    """Print why no messages on a topic arrive here, or that all is well.
 
     Args:
         topic: the topic's name.

@@ -86,7 +86,7 @@ class Referee(SimpleController):
         return touched, on_rail
 
     def is_mine(self, geom: int) -> bool:
-        """Return whether a geom is a part of the tank."""
+        """Return whether a geom is part of the tank."""
         return self.names[geom].startswith(f"{self.io.body.name}/")
 
     def count_publishers(self) -> None:

@@ -35,7 +35,7 @@ class TankServer(TankController):
         self.motors_service = self.node.create_service(SetBool, f"{name}/set_motors", self.on_set_motors)
 
     def on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:  # executor's thread
-        """Have the tank moved back to its start, and respond when it is there."""
+        """Have the tank moved back to its starting position, and respond when it is there."""
         return self.answer(response, self.reset)
 
     def on_set_motors(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
@@ -70,7 +70,7 @@ class TankServer(TankController):
         return {name: new.get(name, value) for name, value in self.gains.get().items()}
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
-        """Look up the tracks and the joints, as in step 1, but let the joints use the newest gains."""
+        """Look up the tracks and the joints, as in step 1, but make the joints use the newest gains."""
         super().initialize(io)
         self.io = io
         self.turret = TunedJoint(io.body.joint("TURRET_Y"), io.time_step, self.gains)
@@ -83,7 +83,7 @@ class TankServer(TankController):
             self.track_l.ctrl = self.track_r.ctrl = self.turret.joint.effort = self.barrel.joint.effort = 0.0
 
     def reset(self) -> str:  # simulation thread, between two steps
-        """Move the tank back to its start, and hold its joints at their positions there."""
+        """Move the tank back to its starting position, and hold its joints at their initial positions."""
         self.io.body.reset()
         self.initialize(self.io)
         return f"{self.io.body.name} is back at its starting position"
@@ -126,6 +126,6 @@ class TunedJoint(AimedJoint):
 
 
 def gain(description: str, largest: float) -> ParameterDescriptor:
-    """Return the descriptor of a gain that ranges from 0 to a maximum."""
+    """Return the descriptor for a gain that ranges from 0 to a maximum."""
     limits = FloatingPointRange(from_value=0.0, to_value=largest)
     return ParameterDescriptor(description=description, floating_point_range=[limits])

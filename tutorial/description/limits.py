@@ -13,7 +13,7 @@ UNLIMITED = 1e9
 
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
-    """Add a ``<limit>``: the effort, the velocity and, for a limited or a slide joint, the range.
+    """Add a ``<limit>``: the effort, the velocity and, for a limited joint or a slide joint, the range.
 
     MuJoCo does not limit velocities, so a model gives the velocity limit as the joint's ``user`` value.
     """
@@ -34,7 +34,7 @@ def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:
 
 
 def _effort(model: mujoco.MjModel, joint: int) -> float:
-    """Return a joint's largest torque or force [N.m or N]: its own limit, or the sum of its actuators' limits."""
+    """Return a joint's maximum torque or force [N.m or N]: its own limit, or the sum of its actuators' limits."""
     if model.jnt_actfrclimited[joint]:
         return float(np.abs(model.jnt_actfrcrange[joint]).max())
     actuators = actuators_of(model, joint)

@@ -60,5 +60,5 @@ def add_origin(parent: Element, matrix: Matrix) -> None:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Format numbers with twelve digits, separated by spaces. At a robot's size, this is finer than a micrometre."""
+    """Format numbers with twelve digits, separated by spaces. At robot scale, this is finer than a micrometre."""
     return " ".join("0" if abs(value) < NOTHING else f"{value:.12g}" for value in values)

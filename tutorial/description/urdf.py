@@ -38,7 +38,8 @@ def robot_description(body: Body) -> str:
     Elements that URDF lacks, such as tendons and ellipsoids, are omitted. Joints that do not appear in joint
     states (joints in hidden groups, ball joints, unnamed joints) are fixed at their initial positions in the model. A
     joint with a linear coupling to another joint mimics that joint; other equalities are omitted. A comment at the top
-    counts these differences. If the description moves differently from the robot, a warning is also logged.
+    lists these differences, with a count for each. If the description moves differently from the robot, a warning is
+    also logged.
 
     Args:
         body: a displayed body, whose model contains only this body.
@@ -97,7 +98,7 @@ class _Writer:
         self._add_inertia(self.links[number], number)
 
     def _mimics(self) -> dict[int, Coupling]:
-        """Return the linear couplings, keyed by the follower's MuJoCo id. None of their leaders follows another joint.
+        """Return the linear couplings, keyed by the follower's MuJoCo ID. None of their leaders follows another joint.
 
         robot_state_publisher cannot place a joint that mimics a mimicking joint.
         """
@@ -109,7 +110,7 @@ class _Writer:
         return {follower: each for follower, each in found.items() if self._joint_name(each.leader) in self.published}
 
     def _other_equalities(self) -> int:
-        """Count the active equalities that move joints of the description but are missing from it."""
+        """Count the active equalities that move joints in the description but are missing from it."""
         between_joints = (each.follower for each in couplings_of(self.model) if each.follower not in self.mimics)
         kinds = (mujoco.mjtEq(self.model.eq_type[each]).name for each in active_equalities(self.model))
         moved = [joint for joint in between_joints if self._joint_name(joint) in self.published]
@@ -152,7 +153,7 @@ class _Writer:
         return self._add_fixed(parent, name, place)
 
     def _joints(self, number: int) -> list[int]:
-        """Return the MuJoCo ids of a body's movable joints; count the joints that become fixed."""
+        """Return the MuJoCo IDs of a body's movable joints; count the joints that become fixed."""
         model, moving = self.model, []
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
@@ -244,7 +245,7 @@ class _Writer:
                 self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
-        """List omissions in a comment at the top, and log those that make the description move differently.
+        """List omissions in a comment at the top, and log those that change how the description moves.
 
         The comment contains no colon, because ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` parses the
         text as YAML.

@@ -37,7 +37,7 @@ class Command(NamedTuple):
 
 
 def actuators_of(model: mujoco.MjModel, joint: int) -> list[int]:
-    """Return MuJoCo's ids of the actuators that act on a joint directly, not through a tendon or a site."""
+    """Return the MuJoCo IDs of the actuators that act on a joint directly, not through a tendon or a site."""
     kinds, joints = model.actuator_trntype.tolist(), model.actuator_trnid[:, 0].tolist()
     return [i for i, kind in enumerate(kinds) if kind in ON_JOINT and joints[i] == joint]
 
@@ -92,7 +92,7 @@ def _title(model: mujoco.MjModel, joint: int) -> str:
 
 
 def _enabled(model: mujoco.MjModel, joint: int) -> list[int]:
-    """Return the actuators that can move a joint: those with a gear, in groups that the model does not disable."""
+    """Return the actuators that can move a joint: those with a nonzero gear, in groups that are not disabled."""
     disabled = int(model.opt.disableactuator)
     groups = model.actuator_group.tolist()
     geared = [each for each in actuators_of(model, joint) if model.actuator_gear[each, 0]]

@@ -21,8 +21,8 @@ class Coupling(NamedTuple):
     """A coupling that makes one joint follow another joint.
 
     Attributes:
-        follower: MuJoCo's id of the joint that follows.
-        leader: MuJoCo's id of the joint that is followed, or `NOBODY`.
+        follower: the MuJoCo ID of the joint that follows.
+        leader: the MuJoCo ID of the joint that is followed, or `NOBODY`.
         polynomial: the coefficients of the follower's position [rad or m] as a function of the leader's position,
             with the constant first.
     """
@@ -111,7 +111,7 @@ def couplings_of(model: mujoco.MjModel) -> list[Coupling]:
 
 
 def active_equalities(model: mujoco.MjModel) -> list[int]:
-    """Return the MuJoCo ids of the equality constraints that are active at the start."""
+    """Return the MuJoCo IDs of the equality constraints that are active at the start."""
     off = model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_EQUALITY)
     return [] if off else [i for i, active in enumerate(model.eq_active0.tolist()) if active]
 
@@ -130,7 +130,7 @@ def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling
 
     Args:
         couplings: the couplings of a model.
-        named: MuJoCo's ids of the joints whose positions are known.
+        named: the MuJoCo IDs of the joints whose positions are known.
 
     Returns:
         The couplings, sorted so that each leader's position is known before its followers need it.

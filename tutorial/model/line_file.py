@@ -1,4 +1,4 @@
-"""Reads a YAML file of points as a model: a visible line on the laboratory's floor, without collisions."""
+"""Reads a YAML file of points as a model: a visible line on the laboratory floor, without collisions."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -79,7 +79,7 @@ def line_points(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float6
 
 
 def _curve(file: YamlFile[_LineFile]) -> NDArray[np.float64]:
-    """Return points on the curve, shape (n, 2). Each point's neighbours in the file determine the slope there."""
+    """Return points on the curve, shape (n, 2). The slope at each point in the file depends on its neighbours."""
     corners = np.array(file.data.points)
     chords = np.hypot(*np.diff(corners, axis=0).T)
     for repeated in np.flatnonzero(chords < 1e-6):

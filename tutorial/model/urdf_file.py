@@ -97,7 +97,7 @@ def _apply_settings(robot: Element) -> str | None:
 
 
 def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
-    """Find the file of a mesh.
+    """Find the mesh file.
 
     Args:
         given: the mesh's ``filename`` in the robot description.

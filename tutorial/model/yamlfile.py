@@ -27,7 +27,7 @@ WORDS = {
 
 
 class _Loader(yaml.SafeLoader):
-    """Refuses duplicate keys and reports the line of a value that does not match its tag. PyYAML does neither."""
+    """Rejects duplicate keys and reports the line of a value that does not match its tag. PyYAML does neither."""
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
         node = super().compose_mapping_node(anchor)

@@ -1,4 +1,4 @@
-"""The API of the notebooks: programs, nodes, widgets and topic tools, each registered by name.
+"""The API for the notebooks: programs, nodes, widgets and topic tools, each registered by name.
 
 Opening an object closes an earlier object with the same name, so that any cell can be run twice. `close_all` closes
 everything. Call these functions on the kernel's main thread.

@@ -33,7 +33,7 @@ def make_package(
     Args:
         name: the package's name.
         controller: the controller's Python file and class name; None instead of the name if the file defines only one.
-        example: ``"listener"``, the first node of step 1's notebook, or ``"server"``, which offers a service.
+        example: ``"listener"``, the first node in step 1's notebook, or ``"server"``, which offers a service.
 
     Returns:
         The content of each file, keyed by the file's path within the package; and the name of the executable.
@@ -115,7 +115,7 @@ _EXAMPLES = {
 
 
 def _controller(file: Path, only: str | None) -> dict[str, str]:
-    """Return the templates' variables for a controller that replaces the course's controller of the same name.
+    """Return the template variables for a controller that replaces the course's controller of the same name.
 
     Args:
         file: the Python file that defines the controller.
@@ -123,7 +123,7 @@ def _controller(file: Path, only: str | None) -> dict[str, str]:
 
     Raises:
         TutorialError: the file is missing, raises an exception, or does not define exactly one such controller; or no
-            project of the course has a controller with this name.
+            project in the course has a controller with this name.
     """
     found = load_controllers(file, only)
     bases = {base for controller in found.values() for base in controller.__mro__[1:]}
@@ -144,7 +144,7 @@ def _controller(file: Path, only: str | None) -> dict[str, str]:
 
 
 def _project_for(name: str) -> Project:
-    """Find the first project of the course that has a controller with this name.
+    """Find the first project in the course that has a controller with this name.
 
     Raises:
         TutorialError: no project has such a controller.
