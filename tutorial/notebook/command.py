@@ -1,4 +1,4 @@
-"""Commands that a cell starts in a separate process, in place of a second terminal."""
+"""Commands that a cell runs in separate processes, so that no second terminal is needed."""
 
 import os
 import shlex

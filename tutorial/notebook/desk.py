@@ -75,7 +75,7 @@ async def until(condition: Callable[[], object], what: str = "", timeout: float 
 
     Args:
         condition: called repeatedly until it returns a true value.
-        what: a description of the condition, for the error.
+        what: a description of the condition, for the error message.
         timeout: the maximum time to wait [s].
 
     Raises:

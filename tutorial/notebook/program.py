@@ -37,7 +37,7 @@ class EndedEarly(TutorialError):  # noqa: N818 - it ends a cell, and is not an e
 
 
 class Program:
-    """A project that runs in this kernel, as ``tank run`` runs it at a terminal. Use it on the kernel's main thread.
+    """A project that runs in this kernel, as with ``tank run`` in a terminal. Use it on the kernel's main thread.
 
     The view follows the bodies between cells, and while a cell awaits something.
 
@@ -72,7 +72,7 @@ class Program:
         """The simulated copy of the world.
 
         Raises:
-            TutorialError: the program only displays.
+            TutorialError: the program has no simulation.
         """
         if self.host.simulation is None:
             raise TutorialError("this program does not simulate: its project has no 'simulator'.")
@@ -85,12 +85,12 @@ class Program:
 
     @property
     def waiting(self) -> int:
-        """The number of posted calls that wait for the main thread."""
+        """The number of posted calls that are waiting for the main thread."""
         return self.host.waiting
 
     @property
     def error(self) -> BaseException | None:
-        """The last exception of a callback or the simulation since the last start; None without exceptions."""
+        """The last exception from a callback or the simulation since the last start; None if there was none."""
         return self.host.error
 
     def body(self, name: str = "Tank") -> Body:
@@ -112,10 +112,10 @@ class Program:
     def start(self) -> None:
         """Run the simulation in real time until `stop` is called. Idempotent.
 
-        After a few minutes without the notebook's page, the simulation is paused, and the view shows this.
+        If the notebook has no open page for a few minutes, the simulation is paused, and a note below the view says so.
 
         Raises:
-            TutorialError: the program only displays, or was closed.
+            TutorialError: the program has no simulation, or was closed.
         """
         self._check_open()
         if not self.simulation.running:
@@ -127,7 +127,7 @@ class Program:
         """Stop the simulation that `start` started. Idempotent.
 
         Raises:
-            TutorialError: the program only displays.
+            TutorialError: the program has no simulation.
         """
         self._started_at = math.inf
         self.simulation.stop()
@@ -142,7 +142,7 @@ class Program:
 
         Raises:
             ControllerError: a controller raised an exception.
-            TutorialError: the program only displays, or was closed.
+            TutorialError: the program has no simulation, or was closed.
         """
         self._check_open()
         if self.simulation.running:
@@ -182,7 +182,7 @@ class Program:
         bar.value, bar.bar_style = seconds, "success"
 
     def show_frames(self, *names: str) -> None:
-        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The key X also does this.
+        """Draw the axes of frames in the view, as rviz2 does: x red, y green, z blue. The X key also does this.
 
         Args:
             names: frames such as ``"odom"`` and ``"Tank/base_link"``; without names, all frames.
@@ -205,12 +205,13 @@ class Program:
         self._drawing.flush()
 
     def record(self, path: Path | str) -> AbstractContextManager[None]:
-        """Record what the view shows during a ``with`` block as a page that replays it, for instance::
+        """Write a page that replays what the view shows during a ``with`` block, for instance::
 
             with tank.record("drive.html"):
                 await tank.run(10)
 
-        The page needs no other files: you can send it to a friend. Pauses without movement are shortened to one second.
+        The page needs no other files: you can send it to a friend. Pauses without movement are shortened to at most one
+        second.
 
         Args:
             path: where to write the page.

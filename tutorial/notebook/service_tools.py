@@ -38,7 +38,7 @@ async def param_list(node: str | None = None) -> None:
         node: the node's name; None for all nodes.
 
     Raises:
-        TutorialError: there is no such node. All functions for parameters can raise this error.
+        TutorialError: there is no such node. All parameter functions can raise this error.
     """
     print_text(await parameters.param_list(asker(), node))
 

@@ -70,7 +70,7 @@ async def topic_hz(topic: str, window: int = 10_000, timeout: float = TIMEOUT) -
 
 
 async def why(topic: str, joints: Iterable[str] | None = None) -> None:
-    """Print why no messages on a topic arrive in this kernel, as ``tank doctor TOPIC`` does. This takes four seconds.
+    """Print why this kernel receives no messages on a topic, as ``tank doctor TOPIC`` does. This takes four seconds.
 
     Args:
         topic: the name of the topic.

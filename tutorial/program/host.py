@@ -40,7 +40,7 @@ class Host(AbstractAsyncContextManager["Host"]):
     """A program that runs a project: it simulates the bodies or, if the project has no simulator, only displays them.
 
     Create and use it on the main thread, whose event loop must be running. Use ``async with Host(project)`` in a
-    notebook's cell, or in a coroutine that a script passes to `asyncio.run`.
+    notebook cell, or in a coroutine that a script passes to `asyncio.run`.
 
     Args:
         project: the project to run.
@@ -50,7 +50,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         trace: the trace that records when each message is received, posted and applied; None to record nothing.
 
     Attributes:
-        simulation: the simulation; None for a program that only displays.
+        simulation: the simulation; None if the program has none.
         node: the program's node.
         note: text at the start of the line below the view, until the next run.
 
@@ -103,12 +103,12 @@ class Host(AbstractAsyncContextManager["Host"]):
     async def run(
         self, duration: float | None = None, linger: float = 0.0, progress: Callable[[float], object] | None = None
     ) -> None:
-        """Run the program. The event loop stays free, so posted calls run and the view is drawn meanwhile.
+        """Run the program. The event loop stays free, so posted calls run and the view is drawn in the meantime.
 
         Args:
             duration: how long to run [s], in simulated time if the project simulates; None to run until cancelled.
-            linger: if the program only displays, the maximum time to wait, after the duration, for the publishers to
-                leave and for their messages to be applied [s].
+            linger: if the program has no simulation, the maximum time to wait, after the duration, for the publishers
+                to leave and for their messages to be applied [s].
             progress: called with `seconds` once per frame.
 
         Raises:
@@ -146,7 +146,7 @@ class Host(AbstractAsyncContextManager["Host"]):
             self._draw()
 
     def add(self, entry: BodyItem) -> None:
-        """Add a body with its controllers to a program that only displays.
+        """Add a body with its controllers to a program without a simulation.
 
         Raises:
             TutorialError: the program simulates or is closed, a body with this name already exists, or a controller
@@ -220,7 +220,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     @property
     def seconds(self) -> float:
-        """Simulated time [s]; if the program only displays, the duration of its current or last run."""
+        """Simulated time [s]; if the program has no simulation, the duration of its current or last run."""
         if self.simulation is not None:
             return self.simulation.time
         return self._last_run.seconds if self._last_run is not None else 0.0
@@ -229,7 +229,7 @@ class Host(AbstractAsyncContextManager["Host"]):
     def error(self) -> BaseException | None:
         """The last error since the last start.
 
-        The simulation's error takes precedence over the errors of callbacks, cameras and posted calls.
+        The simulation's error takes precedence over errors from callbacks, cameras and posted calls.
         """
         simulated = self.simulation.error if self.simulation is not None else None
         return simulated or self._ros.error or self._cameras.error or self._calls.error

@@ -118,7 +118,7 @@ class JointWatch:
             )
 
     def _ask_who_publishes(self) -> None:
-        """Note that a rival's message has arrived. Occasionally, look up the publishers; warn if they have changed."""
+        """Record that a rival's message arrived. Occasionally, look up the publishers; warn if they have changed."""
         now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return

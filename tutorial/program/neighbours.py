@@ -34,7 +34,7 @@ class Neighbours:
         self._counts: dict[str, int] = {}  # the last count, keyed by the text of its warning
 
     def check(self) -> None:
-        """At most once a second, count the nodes of this name and the clock's publishers; warn if a count has risen."""
+        """At most once a second, count the nodes with this name and the clock publishers; warn if a count has risen."""
         if time.monotonic() - self._checked_at < CHECK_EVERY:
             return
         self._checked_at = time.monotonic()

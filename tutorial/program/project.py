@@ -90,7 +90,7 @@ class Project:
 
         Raises:
             TutorialError: the file is missing or malformed, or names a controller or a model that does not exist; the
-                error gives the line and suggests a fix.
+                error message includes the line number and suggests a fix.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         items: dict[str, BodyItem] = {}
@@ -152,7 +152,7 @@ class Project:
             classes: the classes of its controllers, in execution order; can be empty.
 
         Raises:
-            TutorialError: there is no such body, or an argument is not a controller's class.
+            TutorialError: there is no such body, or an argument is not a controller class.
         """
         for given in classes:
             if not (isinstance(given, type) and issubclass(given, SimpleController)):
@@ -214,7 +214,7 @@ def _fleet(item: BodyItem) -> tuple[object, ...]:
 
 
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
-    """Return the body, or the bodies of the fleet, that an entry of a file describes, by name. Errors give the line."""
+    """Return, by name, the body or bodies that an entry in a file describes. Errors include the line number."""
     at = partial(file.at, "bodies", index)
     with at("name"):
         if unfit := _unfit(body.name):
@@ -243,7 +243,7 @@ def _unfit(name: str) -> str:
 
 
 def _find_model(folder: Path, given: str) -> Path:
-    """Find a model in the project's folder. Compile it now so that errors can give the line in the project file."""
+    """Find a model in the project's folder. Compile it now so that errors can point to the line in the project file."""
     if not is_file(folder / given):
         suffix = SUFFIX if given.endswith(SUFFIX) else ".xml"
         paths = (*folder.glob(f"*{suffix}"), *folder.glob(f"*/*{suffix}"))
@@ -254,7 +254,7 @@ def _find_model(folder: Path, given: str) -> Path:
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
-    """Return positions on a grid, row by row towards +x, and from left to right (seen along x) within each row."""
+    """Return positions on a grid, row by row towards +x, and from left to right (facing +x) within each row."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     x, y, z = middle

@@ -26,9 +26,9 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
 
     Returns:
         A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint's
-        position is the last one published or, if none was published, the one displayed [rad or m]. A topic has a count
-        ``published``, a count ``received``, or both. If it has both, its rate and latency are those of the received
-        messages.
+        position is the last one published or, if none was published, the one displayed [rad or m]. A topic has a
+        ``published`` count, a ``received`` count, or both. If it has both, its rate and latency are those of the
+        received messages.
     """
     joints = {joint.name: joint.position for item in items for joint in item.body.joints}
     for meter in meters:

@@ -32,7 +32,7 @@ class Result:
         touched: what the tank has touched, and when; excludes the floor, and contact between its barrel and the rail.
         end: why the race has ended; empty during the race. It is `FINISHED` if the barrel has touched the rail after
             the tank reached the end of the line.
-        foul: how the race was manipulated; empty if it was fair.
+        foul: what the foul was; empty if there was none.
         limit: the maximum duration [s].
     """
 
@@ -82,12 +82,12 @@ class Result:
 class Race:
     """One race, in simulated time. Use it only on the thread that steps the simulation.
 
-    A point of the line counts as reached once the tank's centre has come near all earlier points, in order, and then
+    A point on the line counts as reached once the tank's centre has come near all earlier points, in order, and then
     near this point. Progress therefore never decreases, and shortcuts don't help, even where the line crosses itself.
     Progress is 0 until the tank moves.
 
     Args:
-        line: the points of the line [m], from its start to its end.
+        line: points along the line [m], from its start to its end.
         limit: the maximum duration [s].
 
     Attributes:
@@ -139,7 +139,7 @@ class Race:
         return f"the tank has jumped {distance:.2f} m" if distance > FASTEST * (seconds - before[0]) else ""
 
     def _advance(self, seconds: float, position: tuple[float, ...]) -> float:
-        """Count the points of the line that the tank has come near, and return the tank's progress."""
+        """Count the points on the line that the tank has come near, and return the tank's progress."""
         while self._next < len(self._points) and math.dist(self._points[self._next], position[:2]) <= REACH:
             self._next += 1
             self._advanced_at = seconds

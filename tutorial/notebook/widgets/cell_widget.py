@@ -1,4 +1,4 @@
-"""Base classes of the widgets that have their own JavaScript."""
+"""Base classes for the widgets that have their own JavaScript."""
 
 import asyncio
 import math

@@ -1,4 +1,4 @@
-"""A panel whose node publishes joint states, with a slider for each kind of fault in them."""
+"""A panel whose node publishes joint states, with a slider for each kind of fault that the node can introduce."""
 
 from typing import Any
 

@@ -46,7 +46,7 @@ class TopicNews:
 
 @dataclass(frozen=True)
 class Topology:
-    """A snapshot of the node graph without hidden nodes and topics. All names are escaped by `escape_name`.
+    """A snapshot of the node graph without hidden nodes or topics. All names are escaped by `escape_name`.
 
     Attributes:
         nodes: the number of nodes with each full name; includes all nodes that publish to or subscribe to `topics`.
@@ -117,7 +117,7 @@ class GraphWatch:
 
 
 class _RateMeter:
-    """Counts the messages of one topic without decoding them."""
+    """Counts the messages on one topic without decoding them."""
 
     def __init__(self, node: Node, topic: str, kind: type) -> None:
         self._count = 0
@@ -127,7 +127,7 @@ class _RateMeter:
         self._subscription = node.create_subscription(kind, topic, self._on_message, qos, raw=True)
 
     def rate(self) -> float | None:
-        """Return the average rate between the last few calls [Hz]; None on the first call."""
+        """Return the average rate over the last few calls [Hz]; None on the first call."""
         self._looks.append((time.monotonic(), self._count))
         (began, before), (now, count) = self._looks[0], self._looks[-1]
         return (count - before) / (now - began) if now > began else None

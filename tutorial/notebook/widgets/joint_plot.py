@@ -88,7 +88,7 @@ def _add(samples: deque[_Sample], message: JointState) -> None:
 
 
 def _picture(topic: str, samples: Iterable[_Sample]) -> tuple[str, str]:
-    """Draw the samples of the last `SECONDS`; return the SVG and its description."""
+    """Draw the samples from the last `SECONDS`; return the SVG and its description."""
     ordered = sorted(samples, key=itemgetter(0))
     end = ordered[-1].time if ordered else 0.0
     shown = [sample for sample in ordered if sample.time >= end - SECONDS]

@@ -58,7 +58,7 @@ def lay_out(widths: Mapping[Vertex, float], edges: Sequence[Edge]) -> Layout:
 
 
 def _layers(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> dict[Vertex, int]:
-    """Return each vertex's layer: right of its predecessors or, if it has none, just left of its first successor."""
+    """Return each vertex's layer: right of its predecessors or, if it has none, just left of its leftmost successor."""
     rank = {vertex: i for i, vertex in enumerate(_ordered(vertices, edges))}
     forward = [(a, b) if rank[a] < rank[b] else (b, a) for a, b in edges]
     before, after = _neighbours((b, a) for a, b in forward), _neighbours(forward)

@@ -14,7 +14,8 @@ def line_plot(curves: Mapping[str, tuple[Iterable[float], Iterable[float]]], uni
     """Plot values against time.
 
     Args:
-        curves: for each curve's name, times in ascending order [s] and as many values, for instance as NumPy arrays.
+        curves: for each curve's name, times in ascending order [s] and the same number of values, for instance as
+            NumPy arrays.
         unit: the unit of the values, such as ``"m/s²"``.
 
     Raises:

@@ -84,7 +84,7 @@ def points_text(points: Iterable[tuple[float, float]]) -> str:
 
 
 def shorten(text: str, length: int) -> str:
-    """Replace the middle of a string that has more than `length` characters with an ellipsis."""
+    """If a string has more than `length` characters, replace its middle with an ellipsis."""
     if len(text) <= length:
         return text
     end = (length - 1) // 2

@@ -48,7 +48,7 @@ class _Lanes:
 
     Attributes:
         names: the threads' names.
-        duration: the time from the first moment to the last moment [s].
+        duration: the time from the first to the last moment [s].
         end: the x of the last moment [px].
         foot: the y of the time axis [px].
     """
@@ -65,7 +65,7 @@ class _Lanes:
         self.foot = FIRST_LANE + LANE * (len(self.names) - 1) + 26
 
     def x(self, time: float) -> float:
-        """Return the x of a time [px]."""
+        """Return the x coordinate for a time [px]."""
         return LEFT + (RIGHT - LEFT) * (time - self._start) / self._span
 
     def place(self, moment: Moment) -> tuple[float, float]:
