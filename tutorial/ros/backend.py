@@ -52,7 +52,7 @@ def real_ros_needed(what: str) -> TutorialError:
     """Return an error that says what needs a real ROS 2, and explains how to install and use one.
 
     Args:
-        what: what needs a real ROS 2, such as ``"TankServer"``; the subject of the first sentence.
+        what: what needs a real ROS 2, such as ``"TankServer"``; the subject of the error's first sentence.
     """
     get = "" if folder.state() == "installed" else f" {folder.how_to_get_it()}"
     use = f"To use it, run export {VARIABLE}=rclpy or, in a notebook, use_real_ros()."

@@ -11,11 +11,11 @@ RATE = 100  # [Hz] the minimum rate in simulated time
 
 
 class ClockPublisher(SimpleController):
-    """Publish simulated time on ``/clock`` for nodes whose parameter ``use_sim_time`` is true.
+    """Publishes simulated time on ``/clock`` for nodes whose parameter ``use_sim_time`` is true.
 
     While the simulation is paused, nothing is published; when the program is restarted, the time starts at 0 again.
     This controller runs before all other controllers, so that no stamp is ahead of the clock. Delivery is reliable for
-    subscriptions that request it; by default, nodes request best effort, and only the newest message.
+    subscriptions that request it; by default, nodes request best-effort delivery and keep only the newest message.
 
     Args:
         node: the node that publishes.

@@ -20,14 +20,14 @@ The list omits the IDs up to 10: people choose them by hand, and the doctor sear
 
 @contextmanager
 def reserved_domain(avoid: str | None = None) -> Iterator[int]:
-    """Reserve a ROS_DOMAIN_ID that no program of any user on this machine has reserved or uses.
+    """Reserve a ROS_DOMAIN_ID that no program on this machine has reserved or is using, whichever user runs it.
 
     DDS uses the domain's first port for UDP. This function listens on the TCP port with the same number, which is
     released when the process ends, at the latest. It skips domains where a program already uses the first
     participant's UDP port. Containers with separate networks can reserve the same ID without conflict.
 
     Args:
-        avoid: a further ROS_DOMAIN_ID to skip, if any.
+        avoid: an additional ROS_DOMAIN_ID to skip, if any.
 
     Raises:
         TutorialError: no ID is free; the error says what to do.

@@ -104,7 +104,7 @@ class TopicMeter:
 
 
 class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
-    """A node that counts the messages on its topics but otherwise behaves like rclpy's node.
+    """A node that counts the messages on its topics but otherwise behaves like an rclpy node.
 
     Messages are not counted if their callback is a coroutine function, which rclpy awaits.
 

@@ -116,7 +116,7 @@ class Bag:
         """Return the description of a topic.
 
         Args:
-            topic: its name. The leading slash is optional, and may also be missing in the bag.
+            topic: its name. The leading slash may be missing here or in the bag.
 
         Raises:
             TutorialError: there is no such topic.

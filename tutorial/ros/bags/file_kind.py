@@ -1,4 +1,4 @@
-"""Identify a file by its first bytes: a bag's file, or another kind of file that users often pass by mistake."""
+"""Identify a file by its first bytes: a bag file, or another kind of file that users often pass by mistake."""
 
 import shlex
 from pathlib import Path
@@ -43,7 +43,7 @@ def suffix_of(path: Path) -> str:
 
 
 def foreign(path: Path) -> str:
-    """Explain what kind of file this is and what to do with it; return ``""`` for a bag's file, damaged or not."""
+    """Explain what kind of file this is and what to do with it; return ``""`` for a bag file, damaged or not."""
     try:
         head = _head(path)
     except OSError as error:

@@ -46,7 +46,7 @@ def _seconds(nanoseconds: int) -> str:
 
 
 def _moment(nanoseconds: int) -> str:
-    """Format a time as local date and time, and as seconds since 1970."""
+    """Format a time as a local date and time, and as seconds since 1970."""
     local = time.localtime(min(nanoseconds // 10**9, 2**35))
     text = time.strftime("%b %e %Y %H:%M:%S", local)
     return f"{text}.{nanoseconds % 10**9:09d} ({_seconds(nanoseconds)})"

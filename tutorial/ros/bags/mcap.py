@@ -1,8 +1,8 @@
 """Read and write MCAP files, the default format of ``ros2 bag`` (https://mcap.dev/spec).
 
 A file is a sequence of records. Messages are grouped in chunks, and a summary of the file follows the last chunk. The
-package mcap reads and writes single records. Its file reader, like the reader in rosbags, needs a complete file; this
-module can also read an incomplete file, such as one left by a killed program or a failing disk.
+package mcap reads and writes individual records. Its file reader, like the reader in rosbags, needs a complete file;
+this module can also read an incomplete file, such as one left by a killed program or a failing disk.
 """
 
 import struct
@@ -50,7 +50,7 @@ UNREADABLE = (EndOfFile, struct.error, UnicodeDecodeError, OverflowError)  # rai
 
 
 class McapWriter:
-    """Writes an MCAP file. Use it on a single thread.
+    """Writes an MCAP file. Use it from a single thread.
 
     Args:
         path: the file, which must not exist.
@@ -77,7 +77,7 @@ class McapWriter:
         self._ids[topic] = self._writer.register_channel(topic, channel.encoding, self._schemas[kind], words)
 
     def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:
-        """Write a message. It reaches the file with the next `flush` at the latest."""
+        """Write a message. It reaches the file no later than the next `flush`."""
         self._writer.add_message(self._ids[topic], received_ns, payload, sent_ns)
 
     def flush(self) -> None:
@@ -97,7 +97,7 @@ class McapReader:
 
     Args:
         path: the file.
-        say: called with a description of each fault that is found; the description is the end of a sentence.
+        say: called with a description of each fault that is found; the description completes a sentence.
 
     Attributes:
         channels: the topics found in the file so far, by id.
@@ -176,7 +176,7 @@ class McapReader:
                 self._say("a message in it belongs to no topic")
 
     def _take(self, record: records.McapRecord) -> None:
-        """Store a topic, or the name of a type. Ignore repetitions of an id, because they may be damaged."""
+        """Store a topic, or the name of a type. Ignore records that repeat an id, because they may be damaged."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
         elif isinstance(record, records.Channel):

@@ -86,7 +86,7 @@ class Player:
         """Play to the end, or until stopped. This method blocks: don't call it on a thread that runs an event loop.
 
         Playback starts when the node graph is known and all existing subscriptions have discovered the publishers. It
-        waits for the subscriptions for 2 s (6 s with Fast DDS), and for the graph for at most 8 s.
+        waits at most 2 s (6 s with Fast DDS) for the subscriptions, and at most 8 s for the graph.
 
         Args:
             stop: an event that any thread can set to stop the playback.

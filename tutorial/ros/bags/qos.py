@@ -49,7 +49,7 @@ def _told(profile: Any) -> Qos:
 
 
 def _profile(told: Qos) -> QoSProfile:
-    """Return a profile, with defaults for values that no publisher can offer."""
+    """Return a profile in which defaults replace values that no publisher can offer."""
     words = {name: getattr(told, name).name for name in POLICIES}
     spans = {name: getattr(told, name).sec * 10**9 + getattr(told, name).nsec for name in SPANS}
     known = {name: POLICIES[name][word] for name, word in words.items() if word in OFFERED}

@@ -130,7 +130,7 @@ class Recorder:
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait until no more messages arrive that were sent before the recording ended, but for at most one second.
+        """Wait, for at most one second, until the messages that were sent before the recording ended stop arriving.
 
         A timer on the executor's thread checks for new messages, because no messages arrive while that thread is busy.
         """
@@ -174,7 +174,7 @@ class Recorder:
         """Record a topic if it has a publisher.
 
         Raises:
-            TutorialError: the topic cannot be recorded; the error's text is the end of a sentence.
+            TutorialError: the topic cannot be recorded; the error's text completes a sentence.
         """
         publishers = publishers_on(self._node, topic)
         if not publishers:

@@ -26,7 +26,7 @@ UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised for a damaged file, o
 
 
 class SqliteWriter:
-    """Writes an SQLite file. Use it on one thread at a time.
+    """Writes an SQLite file. Use it from only one thread at a time.
 
     Args:
         path: the file, which must not exist.
@@ -82,7 +82,7 @@ class SqliteWriter:
 class SqliteReader:
     """Reads an SQLite file, or as much of it as possible if it is damaged. See `tutorial.ros.bags.mcap.McapReader`.
 
-    It reads messages in the order they were written, because the index by time may be damaged.
+    It reads messages in the order they were written, because the time index may be damaged.
     """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:

@@ -20,7 +20,7 @@ VERSION = 9  # version of the metadata format in Jazzy
 
 
 class BagWriter:
-    """Writes a bag in the layout that ``ros2 bag record`` uses. Use it on one thread at a time.
+    """Writes a bag in the layout that ``ros2 bag record`` uses. Use it from only one thread at a time.
 
     Args:
         path: the bag's folder, which must not exist: nothing is overwritten.

@@ -141,7 +141,7 @@ class Chaos:
 
 
 def parse_fault(text: str) -> tuple[str, float]:
-    """Parse a fault: ``"nan:0.1"`` affects one message in ten, ``"nan"`` affects every message.
+    """Parse a fault: ``"nan:0.1"`` affects one message in ten, and ``"nan"`` affects every message.
 
     Raises:
         TutorialError: there is no such fault (the error suggests the nearest name), or the share is invalid.

@@ -1,4 +1,4 @@
 """Find out why no messages arrive on a topic.
 
-`observe` collects facts, `rules` contains the table of causes and needs no ROS 2, and `report` writes the text.
+`observe` collects facts, `rules` contains the table of causes and does not need ROS 2, and `report` writes the text.
 """

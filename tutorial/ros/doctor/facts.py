@@ -83,7 +83,7 @@ class Facts:
         import_error: why ROS 2 cannot be imported; empty if it can.
         loopback: whether the loopback interface is up.
         joined: whether this program could join the domain.
-        participants: how many of the domain's places (with Cyclone DDS) are occupied by programs on this machine;
+        participants: how many of the domain's participant slots (with Cyclone DDS) are in use on this machine;
             counted only if nobody publishes the topic or this program could not join.
         publishers: the topic's publishers.
         subscriptions: the topic's subscriptions, except for the doctor's.
@@ -132,7 +132,7 @@ class Facts:
 
     @property
     def blind(self) -> bool:
-        """Whether this program cannot see any topic."""
+        """Whether no topics are visible to this program."""
         return bool(self.import_error) or not (self.loopback and self.joined)
 
     @property

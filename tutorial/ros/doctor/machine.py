@@ -1,7 +1,7 @@
 """Examine this program and its machine, without joining a domain and without using ROS 2.
 
-ROS 2's ports show which domains are in use here. The environment variables of other programs show why those
-programs cannot be seen.
+The ROS 2 ports in use show which domains are used on this machine. The environment variables of other programs show why
+those programs cannot be seen.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ def domain_in(variables: Mapping[str, str]) -> int:
 
 
 def participants(domain: int) -> int:
-    """Return how many of Cyclone DDS's places in a domain are in use by programs on this machine; 0 if unknown."""
+    """Return how many of a domain's participant slots (with Cyclone DDS) are in use on this machine; 0 if unknown."""
     first = FIRST_PORT + PORTS * domain + FIRST_UNICAST
     return len((_udp_ports() or set()).intersection(range(first, first + 2 * PLACES, 2)))
 
 
 def domains_in_use(domains: Iterable[int]) -> list[int]:
-    """Return those of the given domains that programs on this machine use, or all of them if that is unknown."""
+    """Return the given domains that are in use on this machine, or all of them if that is unknown."""
     ports = _udp_ports()
     return [each for each in domains if ports is None or any((port - FIRST_PORT) // PORTS == each for port in ports)]
 

@@ -142,8 +142,8 @@ class _Ear:
 class _Elsewhere(ExitStack):
     """Searches other domains for publishers of a topic, with the same middleware and the same discovery range.
 
-    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. When the context ends, it leaves
-    all domains that it has joined.
+    If the discovery range is LOCALHOST, it joins only domains whose ports are in use. On exit, it leaves all
+    domains that it has joined.
     """
 
     def __init__(self, topic: str, domains: list[int]) -> None:
@@ -200,7 +200,7 @@ def _seconds(nanoseconds: int) -> float:
 
 
 def _installed(publishers: Sequence[Endpoint], subscriptions: Sequence[Endpoint]) -> str:
-    """Return a publisher's installed type, preferably one that a subscription also has; empty if none is installed."""
+    """Return an installed type of a publisher, preferably one that a subscription also has; empty if there is none."""
     wanted = {each.type for each in subscriptions}
     for kind in sorted({each.type for each in publishers}, key=lambda each: each not in wanted):
         with suppress(TutorialError):

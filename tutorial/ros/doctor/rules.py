@@ -64,7 +64,7 @@ class Cause(NamedTuple):
     Attributes:
         name: the name of the rule that recognized the cause.
         found: the evidence.
-        topic: the examined topic.
+        topic: the topic being examined.
     """
 
     name: str
@@ -265,7 +265,7 @@ def _near(topic: str, topics: Sequence[Topic]) -> list[Topic]:
 def _similarity(one: str, other: str) -> float:
     """Return how similar two names are: at least `SIMILAR` if the last part of one name contains that of the other.
 
-    Case, ``_`` and the ``s`` of a plural are ignored.
+    Case, ``_`` and a plural ``s`` are ignored.
     """
     first, second = (re.sub(r"_|s(?=/|$)", "", name.lower()) for name in (one, other))
     ratio = SequenceMatcher(None, first, second).ratio()

@@ -112,5 +112,5 @@ def _hint(name: str) -> str:
 
 
 def _is_import(caller: FrameType) -> bool:
-    """Return whether the caller is an import. `importlib.util.find_spec` also calls finders, but expects no error."""
+    """Return whether an import made the call. `importlib.util.find_spec` also calls finders, but expects no error."""
     return caller.f_back is not None and caller.f_back.f_code.co_name == "_find_and_load_unlocked"

@@ -1,4 +1,4 @@
-"""Check values as ROS 2's message classes do, with the same error messages."""
+"""Check values as the ROS 2 message classes do, with the same error messages."""
 
 from collections import UserString
 from collections.abc import Callable, Iterator, Sequence, Set

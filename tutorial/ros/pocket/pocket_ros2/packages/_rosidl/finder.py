@@ -1,7 +1,7 @@
 """An import finder for all message packages, such as ``std_msgs.msg`` and ``sensor_msgs.msg``.
 
-As in a real installation, ``sensor_msgs.msg.Joy`` is defined in ``sensor_msgs.msg._joy``. The finder makes each class
-on first use.
+As in a real installation, ``sensor_msgs.msg.Joy`` is defined in ``sensor_msgs.msg._joy``. The finder creates each
+class on first use.
 """
 
 import re
@@ -76,7 +76,7 @@ class MessagesModule(ModuleType):
 
 
 def _suggest(name: str, package: str, known: Iterable[str]) -> None:
-    """Raise an error that suggests a message with a similar name. Without one, let Python raise its own error."""
+    """Raise an error that suggests a message with a similar name. If there is none, let Python raise its own error."""
     near = get_close_matches(name, known, n=1)
     if near and near[0] != name and not name.startswith("_"):
         path = f"{package}.msg"
@@ -91,6 +91,6 @@ def _message_names(package: str) -> dict[str, str]:
 
 
 def _module_name(name: str) -> str:
-    """Convert a message's name to its module's name, as rosidl does: ``JointState`` to ``_joint_state``."""
+    """Convert a message name to its module name, as rosidl does: ``JointState`` to ``_joint_state``."""
     name = re.sub("(.)([A-Z][a-z]+)", r"\1_\2", name)
     return "_" + re.sub("([a-z0-9])([A-Z])", r"\1_\2", name).lower()

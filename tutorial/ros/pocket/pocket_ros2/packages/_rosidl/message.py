@@ -21,7 +21,7 @@ DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0, ("sensor_msgs/msg/NavSat
 
 
 class Slot(NamedTuple):
-    """A message class's record of one of its fields.
+    """Information that a message class stores about one of its fields.
 
     Attributes:
         name: the field's name.
@@ -91,7 +91,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
 
 def message_class(type_name: str) -> type[Message]:
-    """Return the class of a message type. The class is imported, so that each type has only one class.
+    """Return the class for a message type. The class is imported, so that each type has only one class.
 
     Args:
         type_name: the type's name, such as ``"sensor_msgs/msg/Joy"``.
@@ -101,7 +101,7 @@ def message_class(type_name: str) -> type[Message]:
 
 
 def make_message_class(type_name: str, module: str) -> type[Message]:
-    """Create the class of a message type.
+    """Create the class for a message type.
 
     Args:
         type_name: the type's name, such as ``"sensor_msgs/msg/Joy"``.

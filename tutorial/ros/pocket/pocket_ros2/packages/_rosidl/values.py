@@ -14,7 +14,7 @@ FLOAT32_MAX = 3.402823466e38  # the literal in rosidl's checks
 
 
 class Primitive(NamedTuple):
-    """A primitive type of ROS 2's interface definitions.
+    """A primitive type in ROS 2 interface definitions.
 
     Attributes:
         idl: the type's name in IDL, as returned by ``get_fields_and_field_types()``.
