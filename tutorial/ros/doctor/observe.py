@@ -1,6 +1,6 @@
 """Collect the facts about a topic from the node graph, from the messages that arrive, and from other domains.
 
-The doctor only subscribes; it publishes nothing. Its node is hidden, like the node of a ``ros2`` command.
+The doctor only subscribes; it publishes nothing on the topic. Its node is hidden, like the node of a ``ros2`` command.
 """
 
 from __future__ import annotations
