@@ -69,7 +69,7 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
 
     Args:
         context: the context to shut down; None means the default context.
-        uninstall_handlers: restore the previous signal handlers; None to restore them only for the default context.
+        uninstall_handlers: restore the previous signal handlers; None means only if the context is the default context.
 
     Raises:
         RuntimeError: the context has not been started, or has been shut down.
@@ -136,7 +136,7 @@ def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
 
 
 def _end(shut_down: Any, context: Context | None, uninstall_handlers: bool | None) -> None:
-    """Shut down the global executor, then the context. Don't wait for running callbacks: one may be the caller."""
+    """Shut down the global executor, then the context. If a callback calls this function, don't wait for it to end."""
     global _executor  # noqa: PLW0603
     default = context is None or context is get_default_context()
     with _lock:

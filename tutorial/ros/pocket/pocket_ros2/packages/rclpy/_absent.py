@@ -40,7 +40,7 @@ class AbsentAttribute:
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
-    """Reject options that a function has only in the real rclpy.
+    """Reject function options that only the real rclpy supports.
 
     Raises:
         NeedsRealROSError: one of these options is used.

@@ -43,8 +43,8 @@ class Arguments:
     """The ROS arguments of a process or a node.
 
     Attributes:
-        remappings: the remapping rules in the given order; the first rule that matches applies.
-        parameters: the parameter rules in the given order; the last rule that matches applies.
+        remappings: the remapping rules in command-line order; the first rule that matches applies.
+        parameters: the parameter rules in command-line order; the last rule that matches applies.
         log_levels: severities, keyed by logger name; the key "" holds the default for all loggers.
         disabled_logs: outputs that receive no log lines, such as ``"rosout"`` and ``"stdout"``.
         log_configuration: path of a logging configuration file, which Jazzy cannot read; "" if not given.

@@ -1,4 +1,4 @@
-"""The middleware: an implementation of `rclpy._transport` on Cyclone DDS."""
+"""The middleware: an implementation of `rclpy._transport` based on Cyclone DDS."""
 
 import ctypes
 import os
@@ -93,7 +93,7 @@ SampleInfo.__new__ = staticmethod(msgspec.defstruct("SampleInfo", ["python_class
 
 @cache
 def payload_type(type_name: str) -> type[Payload]:
-    """Return the payload class for topics of a message type, such as ``"sensor_msgs/msg/Joy"``."""
+    """Return the payload class for topics with a given message type, such as ``"sensor_msgs/msg/Joy"``."""
     made = wire_type(type_name, types.sequence[types.uint8])
     identity = {"__slots__": (), "__idl__": made.__idl__, "__idl_typename__": made.__idl_typename__}
     return type(f"{made.__name__}Payload", (Payload,), identity)
@@ -152,7 +152,7 @@ def from_dds(qos: Qos) -> QoSProfile:
 
 
 class _Endpoint:
-    """The common base of writers and readers; implements `rclpy._transport.Entity`."""
+    """The common base class of writers and readers; implements `rclpy._transport.Entity`."""
 
     _kind: type[DataWriter[Any] | DataReader[Any]]
     _incompatible: int
@@ -224,7 +224,8 @@ class Reader(_Endpoint):
 class Waiter:
     """Implements `rclpy._transport.Waiter`.
 
-    It calls C, because the wait set of Cyclone DDS's Python package does not report which entities are ready.
+    It calls C functions directly, because the wait set in Cyclone DDS's Python package does not report which entities
+    are ready.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
@@ -325,9 +326,10 @@ class Participant:
 
         If this process has no other participant in the domain, also free the domain's ports and threads.
 
-        Don't delete the participant's entities first. Cyclone DDS's Python package frees a message type when the last
-        topic of this type is deleted. However, a domain reads the type of its first message, an announcement of nodes,
-        until the domain itself is deleted (``serdata_eqkey`` in its C code). A participant deletes its topics last.
+        Don't delete the entities before the participant. Cyclone DDS's Python package frees a message type when the
+        last topic of this type is deleted. However, a domain uses the type of its first message, an announcement of
+        nodes, until the domain itself is deleted (``serdata_eqkey`` in its C code). A participant deletes its topics
+        last.
         """
         with lock:
             close(self.dds)
@@ -361,7 +363,7 @@ def join(domain_id: int) -> Participant:
     Raises:
         RCLError: too many processes on this machine have joined the domain, the loopback interface is down, Cyclone DDS
             cannot start, or this process was forked from a process that had joined a domain.
-        RuntimeError: the installed version of cyclonedds is not the verified version.
+        RuntimeError: the installed version of cyclonedds is not the one that this module was verified with.
     """
     _check_version()
     if _forked:
@@ -420,8 +422,8 @@ def _guids(gids: Sequence[Gid]) -> list[bytes]:
 def close(entity: core.Entity) -> None:
     """Delete an entity now.
 
-    Cyclone DDS's Python objects delete the entity in their finaliser, which can safely run early and more than once.
-    Without this call, the finaliser would not run until the last reference to the object was gone.
+    Cyclone DDS's Python objects delete the entity in their finalizer, which can safely run early and more than once.
+    Without this call, the finalizer would not run until the last reference to the object was gone.
     """
     with lock:
         entity.__del__()

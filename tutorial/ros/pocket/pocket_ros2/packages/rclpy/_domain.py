@@ -1,7 +1,7 @@
 """The DDS domain to join, and limits on who can discover this process.
 
-By default, nobody outside this machine can discover the process, so that students in one room don't drive each other's
-tanks.
+By default, nobody outside this machine can discover the process, so that students in the same room don't drive each
+other's tanks.
 """
 
 import errno
@@ -42,7 +42,7 @@ def default_domain_id() -> int:
 
 
 def configuration() -> str:
-    """Return Cyclone DDS's configuration for the discovery range that is set in the environment.
+    """Return the Cyclone DDS configuration for the discovery range that is set in the environment.
 
     ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here), SUBNET or SYSTEM_DEFAULT, which leaves
     everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. The configuration in

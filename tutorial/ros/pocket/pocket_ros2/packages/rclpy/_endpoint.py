@@ -58,7 +58,7 @@ class Endpoint(Destroyable):
     def destroy(self) -> None:
         """Destroy the endpoint. Idempotent. Messages that are waiting for a callback are dropped.
 
-        As in rclpy, the node still lists the endpoint. The real rclpy's executors fail on such a node, so a warning is
+        As in rclpy, the node still lists the endpoint. In the real rclpy, spinning such a node fails, so a warning is
         logged once.
         """
         if self._node._remove(self, keep=True) and self._node.context.ok():

@@ -5,7 +5,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProf
 
 
 def explicit(profile: QoSProfile, *, writer: bool) -> QoSProfile:
-    """Return the policies of a writer or reader, with the system's defaults replaced by their values.
+    """Return the policies of a writer or reader, with the system defaults replaced by explicit values.
 
     Args:
         profile: the requested QoS; "best available" means the strongest policy for a writer and the weakest

@@ -48,7 +48,7 @@ class Graph:
         self.changes = participant.create_reader(TOPIC, TYPE_NAME, READER_PROFILE, ignore_own=True)
 
     def add_node(self, namespace: str, name: str) -> NodeInfo:
-        """Announce a node of this process, and return the entry that represents the node in the other methods."""
+        """Announce a node of this process, and return the entry that represents it in calls to the other methods."""
         node = NodeInfo(namespace, name)
         with lock:
             self._local.append(node)
@@ -90,8 +90,8 @@ class Graph:
         """Return whether the graph is complete.
 
         It is complete when every discovered ROS 2 program has announced its nodes, and every announced endpoint has
-        been discovered. A program is discovered before its nodes. With Fast DDS, the program may announce its nodes
-        only seconds later.
+        been discovered. A program is discovered before its nodes. With Fast DDS, the program may not announce its
+        nodes until seconds later.
         """
         with lock:
             owned, announced = self.owners().keys(), {self.participant.guid, *self._remote}
@@ -100,10 +100,11 @@ class Graph:
             return not self._unread and not unknown and owned <= found
 
     def listen(self) -> None:
-        """Receive new announcements, and drop participants that have left: a killed process does not announce its end.
+        """Receive new announcements, and drop participants that have left: a killed process does not announce its exit.
 
-        The executor calls this method regularly, because announcements would accumulate in a program that never queries
-        the graph. Announcements are decoded only by a query, which decodes only the newest one from each participant.
+        The executor calls this method regularly, because announcements would otherwise accumulate in a program that
+        never queries the graph. Announcements are decoded only by a query, which decodes only the newest one from each
+        participant.
         """
         with lock:
             self.changes.take_incompatible()  # otherwise, this status would wake the executor repeatedly

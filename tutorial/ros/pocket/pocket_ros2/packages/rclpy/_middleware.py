@@ -1,4 +1,4 @@
-"""The middleware in use. The book's page ``drive`` replaces this module with a different module."""
+"""The middleware in use. The book's ``drive`` page replaces this module with a different one."""
 
 try:
     from rclpy._cyclone import TransportError, decode_nodes, encode_nodes, join

@@ -153,7 +153,7 @@ class NodeParameters:
         return [self.get_parameter(name) for name in _strings(names)]
 
     def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
-        """Return a parameter, or an alternative if it has not been declared or has no value."""
+        """Return a parameter, or an alternative if the parameter has not been declared or has no value."""
         parameter = self._parameters.get(name)
         if parameter is None or parameter.type_ == Parameter.Type.NOT_SET:
             return Parameter(name, Parameter.Type.NOT_SET) if alternative_value is None else alternative_value
@@ -254,7 +254,7 @@ class NodeParameters:
         return parameter.get_parameter_value()
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Set parameters one by one, and return for each parameter whether it was set and, if not, the reason.
+        """Set parameters one by one; for each parameter, return whether it was set and, if not, why.
 
         Raises:
             ParameterNotDeclaredException: a parameter has not been declared; the parameters before it have been set.
@@ -264,7 +264,7 @@ class NodeParameters:
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Set all the parameters, or none if one is rejected; return whether they were set and, if not, why.
 
-        Setting a dynamically typed parameter to the type ``NOT_SET`` undeclares it.
+        Setting the type of a dynamically typed parameter to ``NOT_SET`` undeclares the parameter.
 
         Raises:
             ParameterNotDeclaredException: a parameter has not been declared.
@@ -343,7 +343,7 @@ class NodeParameters:
     def _set(
         self, parameter_list: list[Parameter], declared: dict[str, ParameterDescriptor] | None = None
     ) -> SetParametersResult:
-        """Set parameters unless a callback rejects them. Their descriptors have already been checked.
+        """Set parameters unless a callback rejects them. They have already been checked against their descriptors.
 
         Args:
             parameter_list: the parameters.
@@ -372,7 +372,7 @@ class NodeParameters:
         return SetParametersResult(successful=True)
 
     def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
-        """Return the event's list for this change: the new, the changed or the deleted parameters.
+        """Return the event's list that this change belongs in: new, changed or deleted parameters.
 
         Call this method before you set the parameter.
         """

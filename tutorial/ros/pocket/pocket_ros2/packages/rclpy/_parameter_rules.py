@@ -1,4 +1,4 @@
-"""Check parameters and their declarations, with rclpy's error messages."""
+"""Check parameters and their declarations, using rclpy's error messages."""
 
 import math
 import warnings
@@ -28,7 +28,7 @@ def read_declaration(
         namespace: prefix of the name.
         given: the declaration's name, value or type, and descriptor; the last two elements are optional.
         index: position in the list of declarations, for error messages.
-        stacklevel: the caller that the warning about a missing type refers to; 1 is the caller of this function.
+        stacklevel: which caller the warning about a missing type points to; 1 means the caller of this function.
 
     Raises:
         TypeError: the declaration does not have one to three elements, or an element has the wrong type.
@@ -95,7 +95,7 @@ def refusal(parameter: Parameter, descriptor: ParameterDescriptor, is_declared: 
 
 
 def _outside(parameter: Parameter, limits: Any, tolerance: float, stop: str, step: str) -> str:
-    """Return why a number is outside a range, or "" if it isn't; rclpy's messages for integers and floats differ."""
+    """Return why a range rejects a number, or "" if it does not; rclpy's messages for integers and floats differ."""
     low, high = sorted((limits.from_value, limits.to_value))
     name, value = parameter.name, parameter.value
     if any(math.isclose(value, limit, rel_tol=tolerance) for limit in (low, high)):

@@ -3,7 +3,7 @@
 A middleware is a module with the exception ``TransportError`` and the function ``join(domain_id)``, which returns a
 `Participant`. The module's functions ``encode_nodes(guid, nodes)`` and ``decode_nodes(data)`` encode and decode a
 participant's announcement of its nodes. Bytes 4 to 19 of an announcement are the participant's identifier.
-`rclpy._cyclone` is the middleware on Cyclone DDS; the book's page ``drive`` uses a different middleware.
+`rclpy._cyclone` is the middleware based on Cyclone DDS; the book's ``drive`` page uses a different middleware.
 `rclpy._middleware` selects the middleware in use. All methods can be called from any thread.
 """
 
@@ -49,7 +49,7 @@ class EndpointInfo:
 
 
 class Entity(Protocol):
-    """The common base of writers and readers."""
+    """The common base class of writers and readers."""
 
     guid: bytes
 
@@ -57,7 +57,7 @@ class Entity(Protocol):
         """Return the number of matched partners."""
 
     def take_incompatible(self) -> str:
-        """Return why a new partner is incompatible: the policy's name or ``"TYPE"``; "" if there is no such partner."""
+        """Return why a new partner is incompatible: a policy's name or ``"TYPE"``; "" if there is no such partner."""
 
     def close(self) -> None:
         """Delete the writer or reader. Idempotent."""
@@ -87,10 +87,11 @@ class Waiter(Protocol):
         """Watch these writers and readers in all later waits; each one is paired with its owner."""
 
     def wait(self, timeout: float) -> list[Any]:
-        """Wait for a message, an incompatible partner or a call of :meth:`wake`, or until the timeout [s] expires.
+        """Wait for a message, an incompatible partner or a call to :meth:`wake`, or until the timeout [s] expires.
 
         Returns:
-            The owners of the readers that have messages, in the order of :meth:`watch`, and None for any other event.
+            The owners of the readers that have messages, in the order in which the readers were passed to
+            :meth:`watch`, and None for any other event.
         """
 
     def wake(self) -> None:

@@ -80,7 +80,7 @@ def wire_name(type_name: str) -> str:
 
 @cache
 def wire_type(type_name: str, octets: Any) -> Any:
-    """Return Cyclone DDS's struct for a message type. If two threads need it at the same time, each may create one.
+    """Return the Cyclone DDS struct for a message type. If two threads need it at the same time, each may create one.
 
     Args:
         type_name: the message type.

@@ -27,7 +27,7 @@ class Clock:
     """A clock.
 
     Args:
-        clock_type: kind of time; ROS time is the system's time unless the node uses simulated time.
+        clock_type: kind of time; ROS time is system time unless the node uses simulated time.
 
     Raises:
         TypeError: the clock type is not a ClockType.
@@ -66,8 +66,8 @@ class Clock:
             context: a context whose shutdown ends the sleep; if None, the default context.
 
         Returns:
-            Whether the time was reached: False if the context was shut down, or if the clock switched between the
-            system's time and simulated time.
+            Whether the time was reached: False if the context was shut down, or if the clock switched between
+            system time and simulated time.
 
         Raises:
             NotInitializedException: the context is not running.
@@ -102,7 +102,7 @@ class ROSClock(Clock):
     """A node's clock: system time or, while the node uses simulated time, the time from ``/clock``."""
 
     def __new__(cls) -> Self:
-        """Create a clock of ROS time."""
+        """Create a ROS time clock."""
         return super().__new__(cls, clock_type=ClockType.ROS_TIME)
 
     @property

@@ -55,7 +55,7 @@ class Context:
 
         Args:
             args: the command line; if None, ``sys.argv``.
-            initialize_logging: apply the logging options of the command line.
+            initialize_logging: apply the logging options on the command line.
             domain_id: the DDS domain; if None, ``ROS_DOMAIN_ID`` or, if that is not set, 0.
 
         Raises:
@@ -77,7 +77,7 @@ class Context:
                 self._initialize_logging()
 
     def _initialize_logging(self) -> None:
-        """Apply the logging options of the command line. If that fails, the context stays initialized, as in rclpy."""
+        """Apply the logging options on the command line. If that fails, the context stays initialized, as in rclpy."""
         if self.arguments.log_configuration:
             reason = "spdlog logging backend doesn't currently support external configuration"
             raise RCLError(f"failed to initialize logging: {reason}")

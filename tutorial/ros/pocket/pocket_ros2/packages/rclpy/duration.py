@@ -13,7 +13,7 @@ class Duration:  # noqa: PLW1641  (rclpy's has no hash either)
 
     Args:
         seconds: the duration [s]; can be negative or fractional.
-        nanoseconds: added to ``seconds`` [ns].
+        nanoseconds: an amount to add to ``seconds`` [ns].
 
     Raises:
         OverflowError: the duration exceeds 2^63 ns.

@@ -29,7 +29,7 @@ class NoTypeSupportImportedException(Exception):  # noqa: N818
 
 
 class NameValidationException(Exception):  # noqa: N818
-    """A name breaks the naming rules; the error message marks where."""
+    """A name breaks the naming rules; the error message marks the position of the error."""
 
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")

@@ -185,7 +185,7 @@ class SingleThreadedExecutor:
         return False
 
     def _wait(self, timeout: float) -> None:
-        """Wait for a message, an event, a timer or a call of :meth:`wake`, and start a round of callbacks.
+        """Wait for a message, an event, a timer or a call to :meth:`wake`, and start a round of callbacks.
 
         In each round, every ready entity gets one turn, so that a busy topic does not delay the other entities.
         The round includes only the subscriptions that have messages, because checking all of them would slow down a

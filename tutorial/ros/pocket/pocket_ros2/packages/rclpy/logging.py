@@ -25,7 +25,7 @@ class LoggingSeverity(IntEnum):
 
 
 class Listener(Protocol):
-    """A receiver of the log lines of a logger and its children, such as a node that publishes them on ``/rosout``."""
+    """A receiver of log lines from a logger and its children, such as a node that publishes them on ``/rosout``."""
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
         """Receive a line; called on the thread that logs."""

@@ -206,7 +206,8 @@ class Node(NodeGraph, NodeParameters):
         Args:
             msg_type: class of the messages.
             topic: the topic's name; relative to the node's namespace unless it begins with a slash.
-            callback: called on the thread that spins, with each message, or with the message and a dict of metadata.
+            callback: called on the thread that spins, with each message and, if it requires two arguments, a dict of
+                the message's metadata.
             qos_profile: the QoS, or just the number of messages that can wait for the callback.
             raw: pass bytes to the callback instead of messages.
             **options: rclpy's other options, which the pocket ROS 2 does not support.
@@ -235,7 +236,7 @@ class Node(NodeGraph, NodeParameters):
             timer_period_sec: time between calls [s].
             callback: called without arguments, on the thread that spins.
             callback_group: not supported by the pocket ROS 2.
-            clock: the timer's clock; if None, the node's clock, which can be simulated.
+            clock: the timer's clock; if None, the node's clock, which can use simulated time.
             autostart: start immediately.
 
         Raises:
@@ -250,7 +251,7 @@ class Node(NodeGraph, NodeParameters):
         """Create a guard condition.
 
         Args:
-            callback: called without arguments, on the thread that spins, once any thread has triggered the condition.
+            callback: called without arguments, on the thread that spins, after any thread has triggered the condition.
             callback_group: not supported by the pocket ROS 2.
         """
         _absent.refuse("Node.create_guard_condition", {"callback_group": callback_group})

@@ -191,7 +191,7 @@ qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPol
 
 
 class QoSPresetProfiles(_ShortKeys):
-    """The predefined profiles by name; the names of equal profiles are aliases of one member."""
+    """The predefined profiles by name; the names of equal profiles are aliases of the same member."""
 
     UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default

@@ -30,7 +30,7 @@ class Subscription(Endpoint):
         node: the subscription's node.
         msg_type: the class of its messages.
         topic: the topic's name, as the program gives it.
-        callback: called with each message, or with the message and a dict of its metadata.
+        callback: called with each message and, if it requires two arguments, a dict of the message's metadata.
         qos_profile: its QoS, including the number of messages that can wait for the callback.
         raw: pass bytes to the callback instead of messages.
     """
@@ -54,7 +54,7 @@ class Subscription(Endpoint):
 
     @property
     def callback(self) -> Callback:
-        """The function that is called with each message, or with the message and a dict of its metadata."""
+        """The function called with each message and, if it requires two arguments, a dict of the message's metadata."""
         return self._callback
 
     @callback.setter
