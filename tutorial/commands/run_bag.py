@@ -19,7 +19,7 @@ async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
     """Record what a program publishes and receives, for the duration of the context.
 
     The recorder uses a separate node, so it does not affect the program's message counts. The context starts when the
-    recorder is matched with all of the program's publishers, so that the bag contains the whole run.
+    recorder is matched with all of the program's publishers, so that the bag contains the whole run, or after 5 s.
 
     Args:
         host: the program.
