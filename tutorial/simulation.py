@@ -67,8 +67,8 @@ class Simulation:
         bodies, model, time_step: the world's bodies, model and time step.
         snapshot: the world's newest state, for other threads.
         state: the current state.
-        error: the last error of a controller since the last start; None if there was no error.
-        rest: the pause after each batch of steps in a run that `start` began [s]. A longer pause saves CPU time.
+        error: the last controller error since the last start; None if there was no error.
+        rest: the pause [s] after each batch of steps in a run that `start` began. A longer pause saves CPU time.
 
     Raises:
         TutorialError: the bodies cannot form a world.
@@ -307,7 +307,7 @@ class Simulation:
         self._end(run, failed)
 
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
-        """Step so that simulated time follows real time. The origin is fixed, so delays don't accumulate."""
+        """Step so that simulated time follows real time. Delays of up to `LONGEST_DEBT` don't accumulate."""
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
             sys.setswitchinterval(SWITCH_INTERVAL)  # every time, because the end of any simulation resets the interval

@@ -69,7 +69,7 @@ class Run:
         return run
 
     def is_mine(self) -> bool:
-        """Return whether the calling thread is this run's. If it is, the caller is one of the run's controllers."""
+        """Return whether the calling thread is the run's thread. If so, the caller is one of the run's controllers."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
     def wait_for_lap(self, seconds: float) -> bool:
@@ -173,7 +173,7 @@ class SteppedWorld:
         """Take ``count`` steps: in each, carry out the waiting requests, call every controller, and let MuJoCo step.
 
         Returns:
-            True if all steps were taken; False if the run had to end earlier.
+            True if all steps were taken; False if the run had to end early.
 
         Raises:
             ControllerError: a controller raised an exception.

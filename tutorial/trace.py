@@ -35,7 +35,7 @@ class Moment:
 
 @dataclass
 class Handoff:
-    """The path of one message through a program, or of a call that was posted outside of any message's callback.
+    """The path of one message through a program, or of a call that was posted outside any message callback.
 
     If a callback posts several calls, the message has a handoff for each of them.
 
@@ -77,9 +77,9 @@ class Handoff:
 
 
 class HandoffTrace:
-    """The newest handoffs of a program. Any thread can use it.
+    """Stores the newest handoffs of a program. Thread-safe.
 
-    Pass it to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
+    Pass the trace to the program's `tutorial.handoff.CallQueue` and `tutorial.ros.node_thread.NodeThread`.
 
     Args:
         capacity: the maximum number of handoffs to store; older handoffs are dropped.

@@ -83,8 +83,8 @@ async def service_call(
         The text that ``ros2 service call`` prints, in parts.
 
     Raises:
-        TutorialError: the type or a value is invalid (the error text is the same as in ``ros2``), the time is up, or
-            this process uses the pocket ROS 2.
+        TutorialError: the type or a value is invalid (the error text is the same as in ``ros2``), the timeout expires,
+            or this process uses the pocket ROS 2.
     """
     need_real_ros("A service")
     kind = service_class(type_name)
@@ -100,7 +100,7 @@ async def service_call(
 
 @contextmanager
 def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
-    """Create a client of a service, and destroy it at the end of the ``with`` block.
+    """Create a client for a service, and destroy it at the end of the ``with`` block.
 
     Args:
         node: the node that calls the service.
@@ -117,7 +117,7 @@ def client(node: Node, kind: Any, service: str) -> Iterator[Any]:
 async def is_ready(made: Any, timeout: float) -> bool:
     """Wait until a client has found its service, and give the service time to find the client.
 
-    A service cannot respond to a client that it does not know yet, and ROS 2 does not repeat the response.
+    A service cannot respond to a client that it has not discovered yet, and ROS 2 does not resend the response.
 
     Returns:
         Whether the service was found within the timeout [s].

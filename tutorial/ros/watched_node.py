@@ -40,8 +40,8 @@ class Span:
         group: the callback's group.
         kind: ``"runs"``, ``"call()"`` while its thread waits in `call`, or ``"await"`` while it awaits a response.
         thread: the thread's name.
-        client, future: the client that sent the callback's last request, and the future response; both are None if the
-            callback has sent no request.
+        client, future: the client that sent the callback's last request, and the future for the response; both are None
+            if the callback has sent no request.
         began, ended: from `time.perf_counter` [s]; `ended` is None until the span ends.
     """
 
@@ -56,7 +56,7 @@ class Span:
 
 
 class WatchedNode(MeteredNode):
-    """A node that records its callbacks, but otherwise behaves like rclpy's node.
+    """A node that records its callbacks, but otherwise behaves like an ordinary rclpy node.
 
     Attributes:
         spans: the newest spans, in the order they began.

@@ -29,12 +29,12 @@ SHIPPED = PACKAGE / "_files"
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a path, even one from a user, is a file; False if the path is too long or malformed."""
+    """Return whether a path, which may come from a user, is a file; False if the path is too long or malformed."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for an invalid path
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a path, even one from a user, is a folder."""
+    """Return whether a path, which may come from a user, is a folder."""
     return os.path.isdir(path)  # noqa: PTH112 - pathlib raises an error for an invalid path
 
 
@@ -85,7 +85,7 @@ def find_drive(given: str) -> Path:
 
 
 def find_layout(given: str) -> Path:
-    """Find the file of a race's line by its path or, in the `original` course folder, by its name, such as ``bend``.
+    """Find a race layout file by its path or, in the `original` course folder, by its name, such as ``bend``.
 
     Raises:
         TutorialError: there is no such layout; the error suggests the closest match.

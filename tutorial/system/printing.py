@@ -1,4 +1,4 @@
-"""Prints text that may contain untrusted parts, in a terminal or in a notebook's cell."""
+"""Prints text that may contain untrusted parts, in a terminal or in a notebook cell."""
 
 from collections.abc import AsyncGenerator
 from contextlib import aclosing

@@ -1,6 +1,6 @@
 """Turns the messages that a scene sends during a run into one message with all objects and their animation.
 
-In meshcat, an animation contains the poses of each object that moves, with their times.
+In meshcat, an animation contains the poses of each object that moves, and the time of each pose.
 """
 
 from dataclasses import dataclass
@@ -101,7 +101,7 @@ class _Track:
 
 
 def _motion(track: _Track) -> list[dict[str, Any]]:
-    """Convert poses to meshcat's tracks. Matrices are stored column by column, and three.js orders quaternions xyzw."""
+    """Convert poses to meshcat tracks. Matrices are stored column by column, and three.js orders quaternions xyzw."""
     columns = np.array(track.values).reshape(-1, 4, 4)
     scales = np.linalg.norm(columns[:, :3, :3], axis=2)
     quaternions = np.empty((len(columns), 4))

@@ -81,7 +81,7 @@ class Arrow:
         self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
-        """Aim the arrow along the measured vector, from above the sensor's current position.
+        """Aim the arrow along the measured vector, starting above the sensor's current position.
 
         Three zeros mean that there is no measurement yet, because even at rest, an accelerometer measures 9.8 m/s². No
         arrow is drawn if a number is not finite.

@@ -103,7 +103,7 @@ class View:
 
         Args:
             name: the name given to `add`.
-            data: data of the same model, with the bodies' poses computed (``mj_step``, ``mj_forward`` or
+            data: MuJoCo data for the same model, with the bodies' poses computed (by ``mj_step``, ``mj_forward`` or
                 ``mj_kinematics``).
 
         Raises:
@@ -126,7 +126,7 @@ class View:
         return [(name, *reading) for arrow in self._bodies[name].arrows if (reading := arrow.reading())]
 
     def show_stale(self, name: str, joints: Collection[str]) -> None:
-        """Use grey for the parts that stale joints move, and the normal colours for all other parts.
+        """Show the parts moved by stale joints in grey, and all other parts in their normal colours.
 
         Args:
             name: the name given to `add`.
@@ -214,7 +214,7 @@ class View:
         self._set("/Grid", "visible", not has_floor)
 
     def _draw(self, root: str, model: mujoco.MjModel, more: Collection[int]) -> tuple[dict[int, str], dict[int, str]]:
-        """Draw the geoms, each below its MuJoCo body's path; return the paths of the bodies and of the geoms.
+        """Draw the geoms, each under its MuJoCo body's path; return the paths of the bodies and of the geoms.
 
         The paths of the bodies in `more` are included even if those bodies have no geoms.
         """
@@ -228,7 +228,7 @@ class View:
         return bodies, geoms
 
     def _draw_frame(self, path: str, frame: Frame, extent: float) -> None:
-        """Add the axes of a frame below its body's path, hidden at first. static/camera.js also uses these paths."""
+        """Add the axes of a frame under its body's path, hidden at first. static/camera.js also uses these paths."""
         own = self._frames[frame.name] = f"{path}/frames/{frame.name.replace('/', '.')}"
         self._set_object(f"{own}/axes", shapes.draw_axes(own, frame.name, AXES * extent, frame.pose, frame.label))
         self._set(own, "visible", False)

@@ -38,7 +38,7 @@ async def topic_echo(
     no_arr: bool = False,
     timeout: float | None = None,
 ) -> AsyncGenerator[str, None]:
-    """Yield the messages of a topic as text, like ``ros2 topic echo``.
+    """Yield the messages from a topic as text, like ``ros2 topic echo``.
 
     The subscription exists until the iteration ends: end the iteration with `contextlib.aclosing`, or cancel the task.
 
@@ -116,7 +116,7 @@ async def topic_hz(
 async def _messages(
     node: Node, kind: Any, topic: str, timeout: float | None, times_only: bool = False
 ) -> AsyncGenerator[tuple[float, Any], None]:
-    """Yield the messages of a topic, each with its arrival time [s], which is simulated or from `time.monotonic`.
+    """Yield the messages from a topic, each with its arrival time [s], in simulated time or from `time.monotonic`.
 
     Args:
         node: the node that subscribes; must be spinning on another thread.

@@ -24,8 +24,8 @@ def message_to_yaml(message: Any, no_arr: bool = False) -> str:
     """Write a message as YAML, with its fields in order.
 
     An array is truncated to 128 elements and a string to 128 characters, and ``...`` is added. A string of visible
-    characters and line breaks is written as ``ros2`` writes it. Any other string is written in double quotes, where the
-    escapes of `tutorial.errors.printable` are valid YAML: a YAML parser returns the same string.
+    characters and line breaks is written as ``ros2`` writes it. Any other string is written in double quotes, in which
+    the escapes used by `tutorial.errors.printable` are valid YAML, so a YAML parser returns the same string.
 
     Args:
         message: a message of any type.

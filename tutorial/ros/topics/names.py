@@ -105,7 +105,7 @@ def service_class(type_name: str) -> Any:
             ``"std_srvs/Trigger"``; ROS 2 accepts both forms.
 
     Raises:
-        TutorialError: there is no such type, or it is not a service; the error text is the same as in ``ros2``.
+        TutorialError: there is no such type, or it is not a service type; the error text is the same as in ``ros2``.
     """
     found = _interface(type_name, "srv") or _interface(type_name, "msg")
     if found is None:
@@ -127,7 +127,7 @@ def _interface(type_name: str, part: str) -> Any:
 
 
 def _has_part(package: str, part: str) -> bool:
-    """Return whether a package has a subpackage such as ``msg``. Don't import the package: its code would run."""
+    """Return whether a package has a subpackage such as ``msg``, without running the package's code by importing it."""
     spec = find_spec(package) if package.isidentifier() else None
     if spec is None or spec.submodule_search_locations is None:
         return False

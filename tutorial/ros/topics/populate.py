@@ -47,8 +47,8 @@ def populated(type_name: str, text: str) -> Populated:
         text: the fields' values as YAML: ``"{header: auto, axes: [0.0, 0.5]}"``.
 
     Raises:
-        TutorialError: there is no such type, the text is not YAML, or a value does not fit its field; the error text
-            is the same as in ``ros2``.
+        TutorialError: there is no such type, the text is not valid YAML, or a value does not fit its field; the error
+            text is the same as in ``ros2``.
     """
     try:
         kind = message_class(type_name)
@@ -65,11 +65,11 @@ def populated_request(service: Any, text: str) -> Any:
     """Create a request for a service, and fill it with values.
 
     Args:
-        service: the service's type, a class such as ``std_srvs.srv.SetBool``.
+        service: the class of the service type, such as ``std_srvs.srv.SetBool``.
         text: the fields' values as YAML: ``"{data: true}"``.
 
     Raises:
-        TutorialError: the text is not YAML, or a value does not fit its field; the error text is the same as in
+        TutorialError: the text is not valid YAML, or a value does not fit its field; the error text is the same as in
             ``ros2``.
     """
     return _checked(service.Request, _parsed(text), None)
@@ -99,7 +99,7 @@ def _checked(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
 def _filled(kind: Any, values: Any, stampers: list[Stamper] | None) -> Any:
     """Make a message from a dictionary, and append to ``stampers`` the functions that set its stamps.
 
-    The message's own class checks the values. If ``stampers`` is None, the abbreviations for stamps are not accepted.
+    The message class itself checks the values. If ``stampers`` is None, the abbreviations for stamps are not accepted.
     """
     if not isinstance(values, dict):
         raise _no_dictionary(values)

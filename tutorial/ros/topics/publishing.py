@@ -1,6 +1,6 @@
 """Publish one message repeatedly, and yield the output of ``ros2 topic pub`` as text, without printing it.
 
-The node must run on its own thread, `tutorial.ros.node_thread.NodeThread`.
+The node must be spinning on its own thread (`tutorial.ros.node_thread.NodeThread`).
 """
 
 import asyncio

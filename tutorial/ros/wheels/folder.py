@@ -1,7 +1,7 @@
 """The folder with the real ROS 2: find it, check it, and make its rclpy importable.
 
-If the wheels were installed into the environment itself, they would overwrite files of JupyterLab's ``lark`` and make
-every Python interpreter start twice. In a separate folder, they affect only programs that request them.
+If the wheels were installed into the environment itself, they would overwrite files in JupyterLab's ``lark`` package
+and make every Python interpreter start twice. In a separate folder, they affect only programs that request them.
 """
 
 import os
@@ -84,11 +84,11 @@ def check() -> None:
 
 
 def activate() -> None:
-    """Let ``import rclpy`` find the folder's rclpy in this process, and limit discovery to this machine.
+    """Make ``import rclpy`` find the folder's rclpy in this process, and limit discovery to this machine.
 
-    By default, a real ROS 2 discovers nodes on the whole local network, but a learner must not drive a neighbour's
-    tank. Comments in `fastdds.xml` explain Fast DDS's settings. A user's own settings take precedence. Child processes
-    inherit all settings.
+    By default, a real ROS 2 discovers nodes throughout the local network, but a learner must not drive a neighbour's
+    tank. Comments in `fastdds.xml` explain the Fast DDS settings. A user's own settings take precedence. Child
+    processes inherit all settings.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"

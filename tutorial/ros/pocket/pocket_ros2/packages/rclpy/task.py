@@ -39,7 +39,7 @@ class Future:
         return self._done
 
     def cancelled(self) -> bool:
-        """Return whether the future has been cancelled and has no result."""
+        """Return whether the future has been cancelled and is not done."""
         return self._cancelled
 
     def result(self) -> Any:
@@ -62,11 +62,11 @@ class Future:
         self._finish(_exception=exception, _exception_fetched=False, _done=True, _cancelled=False)
 
     def cancel(self) -> None:
-        """Cancel the future, unless it has a result."""
+        """Cancel the future, unless it is done."""
         self._finish(_cancelled=not self._done)
 
     def add_done_callback(self, callback: Callable[[Future], object]) -> None:
-        """Call a function when the future gets a result or is cancelled, or at once if it already has a result."""
+        """Call a function when the future is done or cancelled, or at once if it is already done."""
         with self._lock:
             if not self._done:
                 self._callbacks.append(callback)

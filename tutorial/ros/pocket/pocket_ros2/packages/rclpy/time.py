@@ -24,7 +24,7 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
 
     Raises:
         ValueError: an argument is negative.
-        OverflowError: the time exceeds 2^63 ns.
+        OverflowError: the time is 2^63 ns or more.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
         return self._nanoseconds < self._comparable(other) if isinstance(other, Time) else NotImplemented
 
     def _comparable(self, other: Time, what: str = "compare") -> int:
-        """Return another time [ns], or raise TypeError if its clock type is different."""
+        """Return the nanoseconds of another time, or raise TypeError if its clock type is different."""
         if self._clock_type != other._clock_type:
             raise TypeError(f"Can't {what} times with different clock types")
         return other._nanoseconds

@@ -115,7 +115,7 @@ class Timer(Destroyable):
 
         Args:
             before: the clock's time before the jump [ns].
-            switched: whether the clock switched between the system's time and simulated time.
+            switched: whether the clock switched between system time and simulated time.
         """
         now, period = self.clock._timer_ns(), self.timer_period_ns
         if switched and not now:  # no message on /clock yet: the first one counts as a jump backwards

@@ -12,12 +12,13 @@ from tf2_ros.transform_broadcaster import as_list
 class StaticTransformBroadcaster:
     """Publishes transforms on ``/tf_static``, where late-joining subscribers also receive them.
 
-    Each message contains all transforms sent so far. As in tf2_ros 0.36.4, the first transform of a child frame is
-    used, and later transforms of that frame are ignored.
+    Each message contains all transforms sent so far. As in tf2_ros 0.36.4, the first transform for a child frame is
+    used, and later transforms for that frame are ignored.
 
     Args:
         node: the node that publishes.
-        qos: quality of service, or the number of messages to keep; None: keep the last one for late subscribers.
+        qos: quality of service, or the number of messages to keep; if None, keep the last message for late
+            subscribers.
     """
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
