@@ -134,7 +134,7 @@ def _image(view: Any) -> str:
 
 
 def _telling_time(recorder: Any) -> float:
-    """Return the time [s] when the joints were farthest from where they began, or the last time if they hardly moved."""
+    """Return the time [s] when the joints were farthest from where they began, or the last one if they hardly moved."""
     first = recorder._positions[0]
     best, farthest = recorder._times[-1], MOVED
     for time, positions in zip(recorder._times, recorder._positions):

@@ -175,7 +175,7 @@ def two(trial: Trial) -> str:
 
 
 def halved(trial: Trial, in_callback: bool) -> str:
-    """Observe whether a step uses only part of a message, with the callback and `control` interleaved in every order."""
+    """Observe whether a step uses only part of a message, with the callback and `control` interleaved in all orders."""
     rig, seen = played(trial, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
