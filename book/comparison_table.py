@@ -28,7 +28,7 @@ RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 
 
 def judge(kind: type[Viewer], fault: str) -> str:
-    """Show a stream to a viewer, and describe how often its pose was not right and whether it reported a problem.
+    """Show a stream to a viewer, and describe how often its pose was stale or wrong and whether it reported a problem.
 
     A pose is right if every joint has its position from the newest good message. A pose is stale if some joints have
     their positions from earlier good messages instead. Any other pose is wrong.

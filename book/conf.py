@@ -118,6 +118,6 @@ def visit_math(translator: Any, node: Any) -> None:
 
 
 def visit_math_block(translator: Any, node: Any) -> None:
-    """Write a formula as MathML on its own line."""
+    """Write a formula as MathML, on a line of its own."""
     translator.body.append(convert(node.astext(), display="block"))
     raise SkipNode

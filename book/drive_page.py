@@ -161,7 +161,7 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
 
 
 def _paths(scene: Scene, model: mujoco.MjModel) -> dict[int, str]:
-    """Return the scene path of each moving body, by the body's number in MuJoCo."""
+    """Return the scene path of each moving body, keyed by the body's MuJoCo ID."""
     records = unpack_records(scene.snapshot())
     commands = [unpack_command(payload) for kind, payload in records if kind is Record.COMMAND]
     paths = {each["path"] for each in commands if each["type"] == "set_transform"}

@@ -125,7 +125,7 @@ def _picture(picture: Any) -> str:
 
 
 def _image(view: Any) -> str:
-    """Return a figure of the newest image on a topic, or "" if there is no image yet."""
+    """Return a figure that shows the newest image on a topic, or "" if there is no image yet."""
     pixels, fields = view.newest
     if not pixels:
         return ""
@@ -134,7 +134,7 @@ def _image(view: Any) -> str:
 
 
 def _telling_time(recorder: Any) -> float:
-    """Return the time [s] when the joints had moved farthest, or the newest time if they have hardly moved."""
+    """Return the time [s] when the joints were farthest from where they began, or the last one if they hardly moved."""
     first = recorder._positions[0]
     best, farthest = recorder._times[-1], MOVED
     for time, positions in zip(recorder._times, recorder._positions):

@@ -1,4 +1,4 @@
-"""Small models of how this tutorial's viewer and other programs handle a joint state, based on their sources.
+"""Small models of how this tutorial's viewer and other programs handle joint states, based on their source code.
 
 A model stores a pose, receives one message after another, and returns whether the program reports a problem. The models
 omit everything else, such as mimic joints.
@@ -77,10 +77,10 @@ class ChoreonoidTutorial(Viewer):
 class RobotStatePublisher(Viewer):
     """robot_state_publisher at its default rate of 20 Hz, and tf2, which stores its transforms.
 
-    robot_state_publisher drops messages whose lists differ in length. It also drops a message if it has published
-    every joint of the message within the last interval, as measured by the stamps. For a repeated name, it uses the
-    first position, because it inserts the positions into a map. tf2 rejects NaN and shows the transform with the newest
-    stamp.
+    robot_state_publisher drops messages whose lists of names and positions differ in length. It also drops a message if
+    it has published every joint of the message within the last interval, as measured by the stamps. For a repeated
+    name, it uses the first position, because it inserts the positions into a map. tf2 rejects NaN and shows the
+    transform with the newest stamp.
 
     Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.
     """
@@ -116,10 +116,10 @@ class RobotStatePublisher(Viewer):
 
 
 class JointStatePublisher(Viewer):
-    """joint_state_publisher with a source_list: it uses the position at the index of each joint's name.
+    """joint_state_publisher with a source_list: for each joint's name, it uses the position at the same index.
 
-    It ignores messages without positions. If only the position at this index is missing, the callback raises an error,
-    which ends the program.
+    It ignores messages without positions. If a message has positions, but none at this index, the callback raises an
+    error, which ends the program.
 
     Source: ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`.
     """
@@ -139,7 +139,7 @@ class JointStatePublisher(Viewer):
 class Foxglove(Viewer):
     """The 3D panel of Foxglove Studio: it matches names and ignores stamps.
 
-    It shows a joint at 0 if the message has no position for it.
+    It shows a joint at 0 if the message contains the joint's name, but no position for it.
 
     Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
     """
@@ -154,9 +154,9 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, whose newest points are the pose: it matches names and skips NaN, infinities and extra entries.
+    """PlotJuggler, with its newest points as the pose: it matches names and skips NaN, infinities and extra entries.
 
-    By default, it uses a message's time of arrival, not the stamp.
+    By default, it uses a message's arrival time, not its stamp.
 
     Source: PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927,
     `plotjuggler_base/include/PlotJuggler/plotdatabase.h`.

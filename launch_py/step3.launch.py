@@ -1,4 +1,4 @@
-"""Step 3: like step 2, plus a separate program with a viewer of the joint states."""
+"""Step 3: like step 2, plus a separate program with a viewer for the joint states."""
 
 from pathlib import Path
 

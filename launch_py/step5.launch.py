@@ -1,4 +1,4 @@
-"""Step 5: like step 4, plus a separate program with a viewer of the sensors' measurements."""
+"""Step 5: like step 4, plus a separate program with a viewer for the sensors' measurements."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Step 7: a simulation that publishes the tank's pose, and a separate program with a viewer of this pose."""
+"""Step 7: a simulation that publishes the tank's pose, and a separate program with a viewer for this pose."""
 
 from pathlib import Path
 

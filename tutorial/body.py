@@ -287,7 +287,7 @@ class Body:
 
         Args:
             kind: the kind of element, as it should appear in the error message.
-            element: MuJoCo's method that returns an element of this kind by id, such as ``model.camera``.
+            element: the MuJoCo method that returns an element of this kind by ID, such as ``model.camera``.
             count: the number of such elements in the whole model.
             name: the element's name, without the body's prefix.
 
@@ -363,8 +363,8 @@ class Body:
         """Call the observers, so that the view shows the change.
 
         Args:
-            report: which joints the message moved, and the message's faults; None for a change without a message. The
-                body only passes the report on, because a controller has no access to the observers.
+            report: which joints the message moved, and the message's faults; None if no message caused the
+                change. The body only passes the report on to the observers, to which a controller has no access.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):

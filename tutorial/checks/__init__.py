@@ -9,7 +9,7 @@ In a notebook::
 
 Each exercise has a module with the same name. Each step's module, such as `tank_controller`, lists the exercises of the
 step's notebook. A check runs the answer in simulated time, and in a separate process and ROS domain, so that the answer
-cannot disturb the learner's programs.
+cannot interfere with the learner's programs.
 
 Learners use `exercise`; `catalogue` lists all exercises, and `engine` contains the code that the exercises share.
 """

@@ -89,7 +89,7 @@ def garage(trial: Trial, door: str = "open", home: str = "home") -> Iterator[Ben
 
 
 def stops(door: str = "open", home: str = "home", count: int = 1) -> Run:
-    """Observe pit stops, one after another, with the given replies of both services."""
+    """Observe pit stops, one after another, with the given replies from both services."""
 
     def case(trial: Trial) -> str:
         with garage(trial, door, home) as bench:

@@ -1,4 +1,4 @@
-"""Exercises of step 8: find interruptions of a stream in a bag, and write a bag on a separate thread."""
+"""Exercises of step 8: find interruptions in a recorded stream, and write a bag on a separate thread."""
 
 from tutorial.checks.gaps import gaps
 from tutorial.checks.record import record

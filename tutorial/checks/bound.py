@@ -84,7 +84,7 @@ def twice(trial: Trial) -> list[float]:
 
 
 class Million(array):  # type: ignore[type-arg]
-    """Axes that count how often they are read, and how many lines run meanwhile."""
+    """Axes that count how many times they are read, and how many lines run in the meantime."""
 
     steps = 0
 

@@ -3,7 +3,7 @@
 Write the function `match_by_name(joint_names, message)`. It returns a new dict that maps the names of the body's joints
 to their positions in `message`, a `JointState`. `joint_names` contains the names of the body's joints.
 
-- The i-th position belongs to the i-th name of the message. There can be any number of names, in any order.
+- The i-th position belongs to the i-th name in the message. There can be any number of names, in any order.
 - Ignore names that the body does not have.
 - If there are fewer or more positions than names, use the names that have a position. If there are no positions, the
   dict is empty.

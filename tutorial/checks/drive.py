@@ -131,7 +131,7 @@ def speeds(rig: Rig) -> str:
 
 
 def played(trial: Trial, *script: Any, **options: Any) -> Rig:
-    """Make a tank, and play a script, whose items are a message's axes, a number of steps, or a method's name."""
+    """Make a tank, and play a script: each item is a message's axes, a number of steps, or a method's name."""
     rig = Rig(trial, **options)
     rig.displayed.data.ctrl[:] = 0.0
     for each in script:
@@ -175,7 +175,7 @@ def two(trial: Trial) -> str:
 
 
 def halved(trial: Trial, in_callback: bool) -> str:
-    """Interleave the callback and `control` in every order, and observe whether only half of a message is used."""
+    """Observe whether a step uses only part of a message, with the callback and `control` interleaved in all orders."""
     rig, seen = played(trial, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 

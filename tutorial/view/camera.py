@@ -73,13 +73,13 @@ class _Request:
 
 
 class CameraRenderer:
-    """Renders the images of one simulated world's cameras, on a thread that starts with the first image.
+    """Renders the images of one simulated world's cameras, on a thread that starts with the first request.
 
     Each image is rendered from a copy of the state, so the simulation continues during rendering. If rendering fails,
     one log line reports the error, and no more images are delivered.
 
     Attributes:
-        error: the last exception that an image callback raised; None without exceptions.
+        error: the last exception that an image callback raised, except in lockstep; None if there was none.
     """
 
     def __init__(self) -> None:

@@ -1,6 +1,6 @@
-"""A robot's frames whose axes the view can draw, named as on `/tf`.
+"""The robot frames whose axes the view can draw, with the same names as on `/tf`.
 
-They are `base_link`, the links that joints move, and the optical frames of the cameras. Their names are those in the
+They are `base_link`, the links moved by joints, and the optical frames of the cameras. Their names are those in the
 robot description (`tutorial.description.urdf`).
 """
 
@@ -27,7 +27,7 @@ class Frame(NamedTuple):
 
     Attributes:
         name: the frame's name, such as ``"Tank/base_link"``.
-        body: MuJoCo's id of the body.
+        body: the MuJoCo ID of the body.
         pose: the frame's pose relative to the body, (4, 4) [m].
         label: the position of the name, in units of the axes' length, chosen so that the names of nearby frames don't
             overlap.

@@ -19,7 +19,7 @@ Pixels = NDArray[np.uint8]
 
 
 class Offscreen(AbstractContextManager["Offscreen"]):
-    """An off-screen OpenGL context for rendering one model. Use it only on the thread that makes it.
+    """An off-screen OpenGL context for rendering one model. Use it only on the thread that made it.
 
     Args:
         model: the model to render. The context renders a copy of it, without the costly shadows and antialiasing.
@@ -77,7 +77,7 @@ def advice() -> str:
 
 
 def _gl_context(width: int, height: int) -> Any:
-    """Make an OpenGL context: on Linux with EGL, which needs no screen, unless MUJOCO_GL selects something else."""
+    """Make an OpenGL context. On Linux, use EGL, which needs no screen, unless MUJOCO_GL selects something else."""
     if platform.system() == "Linux" and not os.environ.get("MUJOCO_GL"):
         return importlib.import_module("mujoco.egl").GLContext(width, height)
     return mujoco.GLContext(width, height)

@@ -11,7 +11,7 @@ STALE = [0.72, 0.73, 0.75]
 
 
 class Paint:
-    """The colours of one model's geoms, which depend on the joints that move the geoms.
+    """The colours of one model's geoms: a geom is grey while any of the joints that move it is stale.
 
     A geom is moved by the joints of its MuJoCo body or, if that body has none, of its nearest ancestor with joints.
 
@@ -29,7 +29,7 @@ class Paint:
             self._geoms.append((joints, f"{path}/<object>", colour_of(model, geom).tolist()))
 
     def stale(self, joints: Collection[str]) -> Iterator[tuple[str, list[float]]]:
-        """Mark exactly these joints as stale; yield each change of colour: (path, [red, green, blue, opacity])."""
+        """Mark exactly these joints as stale; yield each colour change: (path, [red, green, blue, opacity])."""
         before, self._stale = self._stale, frozenset(joints)
         if before == self._stale:
             return
@@ -40,7 +40,7 @@ class Paint:
 
 
 def _moved_by(model: mujoco.MjModel, geom: int) -> list[str]:
-    """Return the joints of the nearest body with joints, from the geom's body upwards."""
+    """Return the joints of the geom's body or, if that body has none, of its nearest ancestor with joints."""
     body = int(model.geom_bodyid[geom])
     while body and not model.body_jntnum[body]:
         body = int(model.body_parentid[body])

@@ -1,4 +1,4 @@
-"""Records a scene during a run, and makes a page that replays the run in any browser, without other files.
+"""Records a scene during a run, and makes a self-contained page that replays the run in any browser.
 
 During the run, an animation (`tutorial.view.animation`) collects the scene's messages. The page then replays this
 animation.
@@ -36,7 +36,7 @@ class Replay:
 
     Attributes:
         scene: a message of `tutorial.view.scene` with all objects and the animation.
-        times: the frames' times [s], from 0.
+        times: the frames' times [s], starting at 0.
         joints: each joint's position in each frame [rad, or m for slide joints], keyed by "body joint"; NaN if missing.
         lines: the lines below the view: (start time [s], text).
     """

@@ -83,10 +83,10 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 
 
 class Scene:
-    """Stores everything that was drawn, and sends the changes of each frame to the attached sinks as one message.
+    """Stores everything that was drawn, and sends each frame's changes to the attached sinks as one message.
 
     Use it on the thread that made it. Its size does not grow with time: it stores only the latest value of each object,
-    transform and property, in the order of the last change, because nothing else affects the view. A viewer's
+    transform and property, in the order in which they last changed, because nothing else affects the view. A viewer's
     built-in objects, such as its grid, can be hidden, but not deleted.
 
     Attributes:
@@ -102,7 +102,7 @@ class Scene:
 
     @property
     def watched(self) -> bool:
-        """Whether a sink is attached. Without a sink, nothing needs to be drawn, because `snapshot` draws it later."""
+        """Whether a sink is attached. If none is, changes need not be drawn, because `snapshot` draws them later."""
         return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:
@@ -144,7 +144,7 @@ class Scene:
 
         Args:
             position: the camera's position [m].
-            target: the point in the middle of the view [m], about which the mouse turns it.
+            target: the point in the middle of the view [m], about which the mouse turns the view.
 
         Raises:
             WrongThreadError: this is not the scene's thread.

@@ -58,7 +58,7 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
         url: the page's address, for instance ``http://127.0.0.1:7000/``.
 
     Raises:
-        TutorialError: the port is in use, or the system does not allow it.
+        TutorialError: the port is in use, or the system does not allow its use.
     """
 
     def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
@@ -86,7 +86,7 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
 
 def _listen(ports: Sequence[int]) -> socket.socket:
-    """Listen on the first available port of the loopback address.
+    """Listen on the first of the given ports that is available on the loopback address.
 
     Raises:
         TutorialError: no port is available.

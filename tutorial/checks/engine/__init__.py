@@ -1,6 +1,6 @@
 """The engine of the exercises: it tries an answer, finds out why the answer is wrong, and explains the causes.
 
-An exercise's module imports each name from the engine's module that defines it.
+An exercise's module imports each name from the engine module that defines it.
 
 - `answer`, `failure`: the learner's code, and its failures. `exceptions`: the most likely causes of exceptions.
 - `trial`, `instruments`: one run of an answer, and how the answer uses time and threads in this run.

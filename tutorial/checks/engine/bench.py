@@ -1,4 +1,4 @@
-"""A bench: a learner's controller on a node of the real rclpy, its callbacks on one thread, and a second program."""
+"""A bench: a learner's controller on a real rclpy node, with its callbacks on one thread, and a second program."""
 
 import sys
 import time
@@ -115,7 +115,7 @@ class Bench:
         node: the learner's node.
         displayed: the displayed body.
         body: the simulated body, which does not move by itself.
-        requests: the requests that wait for the simulation's thread.
+        requests: the requests that are waiting for the simulation's thread.
         learner: the learner's controller.
         took: how long the last response took [s].
         asked: the names of the second program's services that the learner has called, in order.
@@ -213,7 +213,7 @@ class Bench:
         self._other.close()
 
     def _know_each_other(self, client: Any) -> bool:
-        """Return whether a client and its service have discovered each other. One direction is not enough."""
+        """Return whether a client has discovered its service, and the service the client."""
         return bool(client.service_is_ready() and self._other.node.count_clients(client.srv_name))
 
     def _failure(self, service: str) -> Failure:
@@ -236,7 +236,7 @@ class Bench:
         return Counter(names + [f"the parameter {name}" for name in self.node.get_parameters_by_prefix("")])
 
     def _wait(self, condition: Callable[[], object]) -> bool:
-        """Run the posted calls until a condition holds. Return False after `LOOKS` checks."""
+        """Run the posted calls until a condition holds. Return False if it does not hold within `LOOKS` checks."""
         for _ in range(LOOKS):
             while self._posted:
                 self.trial.call(self._posted.popleft())
@@ -266,7 +266,7 @@ def _from_callback(trial: Trial, error: BaseException) -> Failure:
 
 
 def _unsent(error: BaseException) -> Failure:
-    """Return the failure if rclpy could not call a service's callback, or could not send the returned object."""
+    """Return the failure if rclpy could not call a service callback, or could not send the returned object."""
     *_, (frame, _) = walk_tb(error.__traceback__)
     if frame.f_code.co_name != "send_response":
         return Failure("a callback", Misuse(f"calling it raises {type(error).__name__}: {error}", SIGNATURE))

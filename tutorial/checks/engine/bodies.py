@@ -32,7 +32,7 @@ def displayed_body(trial: Trial, model: str, name: str, guard: ThreadGuard) -> B
 
 
 def scratch(trial: Trial, model: str, name: str) -> mujoco.MjData:
-    """Return an `MjData` of a body's model for computations. Later trials get the same object."""
+    """Return an `MjData` for computations with a body's model. Later trials get the same object."""
     data: mujoco.MjData = trial.reuse(mujoco.MjData, trial.reuse(_compile, model, name))
     return data
 
