@@ -84,7 +84,8 @@ class Exercise:
 
         Args:
             answer: the learner's class or function.
-            instruments: the instruments for the trials. Iterate over the findings inside their ``with`` block.
+            instruments: the instruments for the trials. Iterate over the findings inside the instruments'
+                ``with`` block.
         """
         try:
             check_has(answer, *self._requires)
@@ -119,7 +120,7 @@ class Exercise:
         _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more if number < count else last}")
 
     def solution(self) -> None:
-        """Print the source of the solution, ready to paste into the notebook's cell."""
+        """Print the source of the solution, ready to paste into a notebook cell."""
         imports = ["\n".join(self._imports)] if self._imports else []
         _say("\n\n\n".join([*imports, listing(self.right_answer)]))
 

@@ -168,7 +168,7 @@ def named(trial: Trial, facts: Facts) -> str:
     """Call the answer, and return the name of the cause.
 
     Raises:
-        Misuse: no cause has the returned name, or the answer prints the right name instead of returning it.
+        Misuse: the answer returns neither a cause's name nor None, or prints the right name instead of returning it.
     """
     with redirect_stdout(StringIO()) as printed:
         returned = trial.call(trial.answer, facts)

@@ -124,7 +124,7 @@ def after(*states: tuple[int, ...]) -> Callable[[Trial], bool]:
 
 
 def two(trial: Trial) -> list[bool]:
-    """Observe two tanks after button 0 has been pressed, but only on the first tank's joystick."""
+    """Observe two tanks after button 0 has been pressed on the first tank's joystick only."""
     first, second = Rig(trial), Rig(trial, name="Tank")
     return [held(first, (1,)), held(second)]
 

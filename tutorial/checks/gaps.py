@@ -14,8 +14,9 @@ gap or restart. The list can be empty: never raise an exception, and don't chang
 Hint 1: What do you compare each stamp with? Not with the previous stamp, which may have been late, but with the newest
 stamp so far. And the bag's own times don't show when a message was created.
 
-Hint 2: Keep the newest stamp in a variable that is None before the first message. Time.from_msg of rclpy.time turns a
-stamp into whole nanoseconds. Then distinguish three cases: far ahead, far behind, and everything else.
+Hint 2: Keep the newest stamp in a variable that is None before the first message. With Time from
+rclpy.time, Time.from_msg(stamp).nanoseconds is the stamp in whole nanoseconds. Then distinguish three cases: far ahead,
+far behind, and everything else.
 
 Hint 3: In the loop: if newest is None, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
 newest - stamp > 1_000_000_000, append a restart; in both cases, then set newest = stamp. In all other cases,
@@ -111,7 +112,7 @@ def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tu
     Args:
         stamps: the stamps of the messages [s].
         since: the time to add to all stamps [s].
-        every: the time from the receipt of one message to the receipt of the next one [s].
+        every: the time between receiving one message and receiving the next [s].
     """
     for i, stamp in enumerate(stamps):
         message = JointState(name=["TURRET_Y"], position=[0.1])

@@ -17,9 +17,9 @@ leading slash, so it is in the node's namespace.
 Hint 1: Look at who does what. control only requests an image, five times per simulated second. The function that
 receives the image does everything else.
 
-Hint 2: In control, have the camera capture an image. Pass capture the function that will receive the image, and the
-simulated time. That function receives the pixels and the time. It fills in the message's fields: height and width come
-from pixels.shape, and each pixel is one byte.
+Hint 2: In control, have the camera capture an image. Call capture with two arguments: the function that will receive
+the image, and the simulated time. That function receives the pixels and the time. It fills in the message's fields:
+height and width come from pixels.shape, and each pixel is one byte.
 
 Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape;
 message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
@@ -148,7 +148,7 @@ class Camera:
         rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
-        """Record the request, with the call that will deliver its image."""
+        """Record the request and the call that will deliver its image."""
         if not callable(deliver):
             raise Misuse(f"capture gets {deliver!r} instead of a function", AT_ONCE.format("publish"))
         pixels = picture(0 if self._rig.is_still else len(self._rig.orders), self.width, self.height)
@@ -169,7 +169,7 @@ class CameraRig(Rig):
         delay: the number of steps from a request to the delivery of its image.
         missed: the number of the image that is never delivered.
         is_still: whether all images are identical.
-        options: the options of `Rig`.
+        options: the options for `Rig`.
 
     Attributes:
         cameras: the cameras that the learner has looked up.

@@ -1,6 +1,6 @@
 """The exercise `gyro`: publish averages of a sensor's measurements.
 
-Write the controller `GyroPublisher` for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on the
+Write the controller `GyroPublisher` for a robot that has a gyroscope but no accelerometer. It publishes an `Imu` on the
 topic `gyro` of its body. For the body `Tank` the topic is `Tank/gyro`, without a leading slash, so it is in the node's
 namespace.
 
@@ -16,8 +16,8 @@ namespace.
 - The frame is the sensor's frame, `Tank/GYRO`, which includes the body's name. On the tank you may also use the
   chassis frame, `Tank/base_link`: the sensor is fixed to the chassis and has the same axes. (The crane's sensor is at
   the tip of its jib.)
-- It works on any body that has such a sensor, and with any time step. After a restart of the simulation, `io.step` and
-  the time continue: they don't restart at 0.
+- It works on any body that has such a sensor, and with any time step. When the simulation is restarted, `io.step` and
+  the time continue: they don't go back to 0.
 - In `unconfigure`, the node destroys its publisher.
 
 Hint 1: Look at how often each thing happens. You measure in every step, but with steps of 1 ms you publish only in
@@ -177,7 +177,7 @@ def marks(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe the frame of the last message. On the tank Rover, the chassis's frame is also accepted."""
+    """Observe the frame of the last message. On the tank Rover, the chassis frame is also accepted."""
     frame_id = sent[-1].message.header.frame_id
     return repr("Rover/GYRO" if frame_id == "Rover/base_link" else frame_id)
 

@@ -64,7 +64,7 @@ def replace(old: str, *new: str) -> Ways:
 
 
 def both(*ways: Ways) -> Ways:
-    """Combine several edits, made one after another, for instance ``both(replace(...), replace(...))``.
+    """Combine several edits, applied one after another, for instance ``both(replace(...), replace(...))``.
 
     If an edit has several replacements, each combination is a separate way to make the mistake.
     """
@@ -143,13 +143,13 @@ class Cases:
     Attributes:
         solution: the right answer. Its observations are the expected ones.
         cases: the cases, in the order they run.
-        mistakes: the known mistakes, the root causes first.
+        mistakes: the known mistakes, root causes first.
         meaning: the most likely cause of a wrong observation in a case that defines no meaning, as a sentence.
         describe: describes an observation.
         beside: functions of the solution's module that mistakes can also change.
         clock: the cause of a wrong observation if the answer reads the computer's clock; "" if answers may read the
             clock.
-        on_ros: tries a right answer with rclpy's own node and describes the result.
+        on_ros: tries a right answer on rclpy's own node and describes the result.
         one_by_one: whether the first wrong observation stops the check.
     """
 
@@ -169,5 +169,5 @@ class Cases:
 
     @property
     def faults(self) -> list[Fault]:
-        """All ways to make the known mistakes, the root causes first."""
+        """All ways to make the known mistakes, root causes first."""
         return [fault for mistake in self.mistakes for fault in mistake.faults()]

@@ -3,7 +3,7 @@
 It reads the job from stdin, which stays open while the parent process is running. It writes the findings to stdout as
 lines of JSON, with ``done`` as the last line. If Python crashes, it also writes a traceback to stdout, without waiting
 for any lock. The output of the learner's code goes to stderr. A watchdog checks ten times a second whether one of the
-learner's methods hangs. The watchdog counts checks, not seconds, so a busy machine does not cause wrong verdicts.
+learner's methods is stuck. The watchdog counts checks, not seconds, so a busy machine does not cause wrong verdicts.
 """
 
 import faulthandler

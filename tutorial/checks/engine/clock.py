@@ -1,4 +1,4 @@
-"""An event loop on a simulated clock, so that tests of timers also work on a busy machine."""
+"""An event loop on a simulated clock, so that timer tests work even on a busy machine."""
 
 import asyncio
 import threading
@@ -82,7 +82,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return [timer for timer in self._timers if not timer.cancelled() and timer.when() > self._now]
 
     def advance(self, seconds: float = 0.0) -> None:
-        """Advance the clock [s], and run all calls that become due or are posted meanwhile, the earliest first."""
+        """Advance the clock [s], and run all calls that become due or are posted in the meantime, earliest first."""
 
         async def pass_time() -> None:
             await asyncio.sleep(seconds)

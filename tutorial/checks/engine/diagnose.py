@@ -76,7 +76,7 @@ def _own_cause(odd: Observation, twins: Twins) -> Why:
 
 
 def _explanation(seen: Observations, twins: Twins) -> _Explanation:
-    """Explain all observations or, failing that, ignore the exceptions or the odd cases that share a meaning."""
+    """Explain all observations or, failing that, all but the exceptions or all but the odd cases with a shared meaning."""
     failed = [each for each in seen.all if each.failed]
     misused = [each for each in failed if each.is_misuse]
     alike = _with_the_same_meaning(seen, twins)
@@ -102,7 +102,7 @@ def _each_once(*groups: list[Observation]) -> list[list[Observation]]:
 
 
 def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> dict[str, Fault]:
-    """Assign each mistake to the first unassigned case that it alone makes wrong; return the mistakes by case label."""
+    """Assign each mistake to the first unassigned case that it breaks on its own; return the mistakes by case label."""
     shown, free = dict[str, Fault](), [*odd]
     for fault in found:
         first = next((each for each in free if twins.shows(each.case, fault)), next(iter(free), None))
@@ -158,7 +158,7 @@ class _Search:
         return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
 
     def pairs(self) -> Iterable[tuple[Fault, ...]]:
-        """Yield the pairs where one mistake alone explains the last odd case, or each mistake alone breaks that case.
+        """Yield the pairs in which one mistake alone explains the last odd case, or each breaks that case on its own.
 
         Yield no pairs for an answer that failed in the first case or ran in fewer than half of the cases: a pair would
         only be a guess.

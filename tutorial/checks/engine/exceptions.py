@@ -90,7 +90,7 @@ def likely_cause(error: BaseException, answer: Any) -> str:
 
 
 def _is_raised_by(error: BaseException, answer: Any) -> bool:
-    """Return whether one of the learner's own ``raise`` statements has raised an exception."""
+    """Return whether an exception was raised by one of the learner's own ``raise`` statements."""
     last = error.__traceback__
     while last is not None and last.tb_next is not None:
         last = last.tb_next

@@ -25,7 +25,7 @@ _BETWEEN = {module.__file__ for module in (threading, queue, futures, pools)}
 
 
 class Instruments:
-    """Replace functions of `time` and `threading` in a ``with`` block, to record the learner's calls in the trial.
+    """Inside a ``with`` block, replace functions of `time` and `threading` to record the learner's calls in the trial.
 
     Calls from any other code are passed on unchanged.
 

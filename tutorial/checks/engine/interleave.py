@@ -26,13 +26,14 @@ def interleave(trial: Trial, function: Callable[[], object], between: Callable[[
 
     A scheduler interrupts threads at random. With this function, a check can interrupt the code at every instruction,
     so it either finds a race or rules it out. If the other thread waits for a lock that the function holds, the
-    function continues meanwhile.
+    function continues in the meantime.
 
     Args:
         trial: the trial whose code is interrupted.
         function: the function to run on this thread.
         between: the function to run on the other thread.
-        at: the number of the instruction before which the code is interrupted, from 0; None for every instruction.
+        at: the number of the instruction before which the code is interrupted, counting from 0; None for every
+            instruction.
 
     Returns:
         Whether the function reached that instruction.
@@ -86,7 +87,7 @@ def early(make: Callable[..., Any], message: Any) -> Run:
     """Observe whether the callback can run as soon as the subscription exists, while `configure` is still running.
 
     Args:
-        make: from a trial and a node, makes a `Rig` or a `Viewer`, which configures the controller.
+        make: given a trial and a node, makes a `Rig` or a `Viewer`, which configures the controller.
         message: the message that arrives between any two instructions of `configure`.
     """
 

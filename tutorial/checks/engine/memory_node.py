@@ -99,7 +99,7 @@ class MemoryNode:
 
     Args:
         trial: records whether the answer makes a timer.
-        publish: called with a publisher and each message that it publishes.
+        publish: called for each published message, with its publisher and the message.
         namespace: the node's namespace.
 
     Attributes:

@@ -43,7 +43,7 @@ class Publishing:
         kind: the class of the messages.
         topic: the topic without the body's name.
         hz: how many messages to send per simulated second.
-        scene: makes a rig, given a trial and options of `Rig`.
+        scene: makes a rig, given a trial and options for `Rig`.
         content: describes the content of messages, given the rig and the sent messages.
         time: the solution's expression for the stamp [ns].
         namespaces: whether the topic has to be in the node's namespace.
@@ -163,7 +163,7 @@ class Publishing:
         return lambda trial: self.often(self.play(trial, 4.3 / self.hz, ms))
 
     def often(self, rig: Rig) -> Any:
-        """Describe how often a message was sent; if the rate is wrong, add the numbers of steps between messages."""
+        """Describe how often a message was sent; if the rate is wrong, include the number of steps between messages."""
         time_step, steps = rig.io.time_step, [each.step for each in self.messages(rig)]
         if len(steps) < 2:
             if rig.has_threads:
@@ -178,7 +178,7 @@ class Publishing:
         return {f"{rate:.3g} times per simulated second, starting at {first:.3g} s": periods}
 
     def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
-        """Return whether messages were sent from the start at the right rate, with intervals rounded to whole steps."""
+        """Return whether messages were sent at the right rate from the start, with intervals rounded to whole steps."""
         exact = 1 / (self.hz * rig.io.time_step)
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
@@ -193,7 +193,7 @@ class Publishing:
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, trial: Trial, **options: Any) -> Any:
-        """Observe the messages after the simulation has been restarted, ten periods after its first start."""
+        """Restart the simulation ten periods after its first start, and observe the messages sent after the restart."""
         rig = self.scene(trial, time_step=0.01, **options)
         for begin in (0, 1000 // self.hz):
             rig.sent.clear()

@@ -45,7 +45,7 @@ def wait(condition: Callable[[], object], complaint: str) -> None:
     """Wait until a condition is true.
 
     Raises:
-        TutorialError: the condition stays false for too long; the complaint is the error's message.
+        TutorialError: the condition stays false for too long; `complaint` is the error message.
     """
     deadline = time.monotonic() + TIMEOUT
     while not condition():

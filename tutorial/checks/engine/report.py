@@ -13,7 +13,7 @@ from tutorial.checks.engine.verdict import Finding, Place, right, wrong
 
 
 def report(cases: Cases, answer: Any, seen: Observations, diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Yield a finding for each case, but skip wrong results whose cause another finding names.
+    """Yield a finding for each case, but skip a wrong result if another finding names its cause.
 
     Args:
         cases: the cases of the exercise.

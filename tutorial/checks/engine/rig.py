@@ -61,8 +61,8 @@ class Rig:
         displayed, body: the displayed and the simulated body.
         node: the learner's node.
         sent: the published messages.
-        begun: the first step after the simulation's last start.
-        has_threads: whether any of the learner's threads were running at the last stop.
+        begun: the step at which the simulation was last started.
+        has_threads: whether any of the learner's threads were running when the simulation was last stopped.
 
     Raises:
         Failure: one of the learner's methods raised an exception. Every method of a rig can also raise this error.

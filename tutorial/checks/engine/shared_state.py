@@ -86,7 +86,7 @@ def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def _names(code: CodeType) -> list[str]:
-    """Return the names of the globals, not of attributes, that a function and its nested functions use."""
+    """Return the names of the globals (not the attributes) that a function and its nested functions use."""
     used = (each.argval for each in dis.get_instructions(code) if each.opname in ("LOAD_GLOBAL", "STORE_GLOBAL"))
     inner = (name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each))
     return [*used, *inner]

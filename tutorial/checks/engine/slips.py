@@ -78,7 +78,7 @@ def _other_numbers(node: ast.AST) -> Slips:
 
 
 def _changed_lines(source: str, part: Any, other: ast.AST) -> Edit:
-    """Return the edit that replaces the lines of a part.
+    """Return the edit that changes a part of the source by replacing the part's lines.
 
     The edit starts early enough to make the replaced lines unique in the source.
     """

@@ -37,7 +37,7 @@ class Trial:
         answer: the learner's class or function, or the solution, with or without mistakes in it.
         watched: the files whose code is observed; by default the files that contain the answer.
         is_timed: whether the check limits the total time of all calls to a method, and not only the time of each call.
-        kept: objects of earlier trials that later trials can reuse.
+        kept: objects from earlier trials that later trials can reuse.
 
     Attributes:
         running: the unfinished calls, by thread; each thread's innermost call comes last.
@@ -66,13 +66,13 @@ class Trial:
         """Call one of the learner's functions and return its result. Thread-safe.
 
         Raises:
-            Failure: the function raised an exception, or slept although no method may sleep.
+            Failure: the function raised an exception, or slept, which no method may do.
         """
         with self.calling(name_of(function)):
             return function(*arguments)
 
     def ask(self, *given: Any, read: Callable[[Any], Any], wanted: str) -> Any:
-        """Call the answer, which is a function, and read its result.
+        """Call the answer, which must be a function, and read its result.
 
         Args:
             given: the arguments, which the answer must not change.
@@ -102,7 +102,7 @@ class Trial:
         """Run the learner's code as a call to the given method. Thread-safe.
 
         Raises:
-            Failure: the code raised an exception, or slept although no method may sleep.
+            Failure: the code raised an exception, or slept, which no method may do.
         """
         calls = self.running[threading.get_ident()]
         calls.append(Call(method))

@@ -39,7 +39,7 @@ ENDLESS = "The posted call probably posts itself again. Post the method that sho
 class _Guard(ThreadGuard):
     """A guard that raises no exceptions, but records ``"touch"`` if a thread other than the main thread uses the body.
 
-    This way, the check also sees what the code does next, for example that it posts a method's return value.
+    This way, the check also sees what the code does next, such as posting a method's return value.
     """
 
     def __init__(self, name: str, trial: Trial) -> None:
@@ -206,10 +206,10 @@ class Viewer:
 
 
 def _check_callable(function: Any) -> None:
-    """Reject an object that cannot be called.
+    """Reject an object that is not callable.
 
     Raises:
-        Misuse: the object cannot be called.
+        Misuse: the object is not callable.
     """
     if not callable(function):
         cause = SECONDS if isinstance(function, Real) else PARENTHESES

@@ -1,4 +1,4 @@
-"""Viewing: the cases shared by all exercises about viewers, and the steps that cases consist of."""
+"""Viewing: the cases shared by all exercises about viewers, and the steps that make up a case."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
