@@ -13,7 +13,7 @@ displayed body hops:
 - After the controller has left the body, no timer is running, the body is back where it stood, and the node has
   destroyed the subscription.
 
-Hint 1: Look at what you have to remember between calls: where the body stood, and the timer. The timer also tells
+Hint 1: Think about what you have to remember between calls: where the body stood, and the timer. The timer also tells
 you whether the body is up.
 
 Hint 2: Start with self.timer = None. To land, test whether there is a timer: if so, cancel it, set self.timer to None,
@@ -25,8 +25,8 @@ calc_forward_kinematics and notify_change. self.timer = asyncio.get_running_loop
 parentheses after land. To land, assign self.place itself to self.body.position: adding 0.1 and then subtracting it
 doesn't give exactly the same numbers.
 
-Notice that the timer, the next blow and unconfigure all use the same method to land: the first of them ends the
-hop.
+Notice that the timer, the next blow and unconfigure all call the same method to land: whichever comes first ends
+the hop.
 """
 
 import asyncio
@@ -57,7 +57,7 @@ UP = "0.1 m higher"
 
 
 class HopViewer(SimpleController):
-    """Lift the displayed body for half a second when the robot has received a blow."""
+    """Lift the displayed body for half a second when the robot receives a blow."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Subscribe to the topic that is named after the body."""

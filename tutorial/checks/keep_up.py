@@ -7,10 +7,10 @@ up with any publisher:
 - So the viewer may skip messages. But the last message is always shown, even if the publisher then falls silent, and
   even if it arrives while another message is being processed.
 
-Hint 1: Look at what waits while the main thread is busy. MyViewer posts a call for every message, although you will see
-only the newest message. What has to happen to a waiting call when the next message arrives?
+Hint 1: Look at what piles up while the main thread is busy. MyViewer posts a call for every message, although you will
+see only the newest message. What has to happen to a waiting call when the next message arrives?
 
-Hint 2: ControllerConfig has two ways to post a call. With one of them, a new call replaces a waiting one if you post
+Hint 2: ControllerConfig offers two ways to post a call. With one of them, a new call replaces a waiting one if you post
 both under the same key. The key identifies the calls that replace each other. Everything else is the same as in
 MyViewer.
 
@@ -77,7 +77,7 @@ def burst(begin: int, look: Callable[[Viewer, Sequence[str]], str]) -> Step:
     """Make a step that delivers many messages while the main thread is busy, then makes an observation.
 
     Args:
-        begin: the number of the first message, counted over all bursts.
+        begin: the number of the burst's first message.
         look: returns the observation, given the viewer and descriptions of the messages' joint positions.
     """
 

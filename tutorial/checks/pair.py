@@ -1,6 +1,6 @@
 """The exercise `pair`: match two messages from the same moment.
 
-Write the class `Pairs`. It pairs messages of two topics that have the same stamp. The viewer passes each message to the
+Write the class `Pairs`. It pairs messages with the same stamp from two topics. The viewer passes each message to the
 method `add(stream, message)` on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages with the same
 stamp have arrived, `add` returns them as `joints, pose`. Every other call returns `None`.
 
@@ -101,7 +101,7 @@ def poses(*stamps: int) -> list[Arrival]:
 
 
 def in_turn(*stamps: int) -> list[Arrival]:
-    """Return an arrival of joint states, then one of a pose, for each of these stamps [ms]."""
+    """Return the arrivals of joint states and a pose, in this order, for each of these stamps [ms]."""
     return [arrival for stamp in stamps for arrival in (*joints(stamp), *poses(stamp))]
 
 

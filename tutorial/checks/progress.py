@@ -125,10 +125,10 @@ def _in_notebook() -> bool:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the dates in a file; an empty dict if it doesn't exist.
+    """Return the dates in a file, or an empty dict if the file doesn't exist.
 
     Raises:
-        OSError, RecursionError, msgspec.MsgspecError: the file cannot be read, or has a different format.
+        OSError, RecursionError, msgspec.MsgspecError: the file cannot be read, or has the wrong format.
     """
     if not path.exists():
         return {}

@@ -1,6 +1,6 @@
 """The exercise `publish`: publish joint states at a different rate.
 
-Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body. For the body
+Write the controller `SlowPublisher`. It publishes a `JointState` on its body's topic `turret`. For the body
 `Tank`, the topic is `Tank/turret`, without a leading slash, so that it is in the node's namespace.
 
 - It publishes 25 times per simulated second: one message every `round(1 / (25 * io.time_step))` steps. You may also
@@ -25,8 +25,8 @@ Hint 3: self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step
 message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for joint in
 self.joints], and so on; self.node.destroy_publisher(self.publisher).
 
-Notice that neither the rate nor the stamp depends on the wall clock: even if the simulation runs slowly, it publishes
-the same messages.
+Notice that neither the rate nor the stamp depends on the wall clock: even if the simulation runs slowly, the messages
+are the same.
 """
 
 from functools import partial
@@ -47,7 +47,7 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
 class SlowPublisher(SimpleController):
-    """Publish position, velocity and effort of every joint at 25 Hz."""
+    """Publish the position, velocity and effort of every joint at 25 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Create the publisher on a topic named after the body."""
@@ -87,7 +87,7 @@ UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 
 def moving(trial: Trial, speed: int = 1, **options: Any) -> Rig:
-    """Make a rig whose joints all move differently, so that all numbers differ, or rest if ``speed`` is 0."""
+    """Make a rig whose joints all move differently, so that all numbers differ; if ``speed`` is 0, they don't move."""
 
     def move() -> None:
         data = rig.body.data
@@ -106,7 +106,7 @@ def names(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def numbers(_rig: Rig, sent: list[Sent], field: str) -> dict[str, list[Any]]:
-    """Observe the numbers of a field, divided by the step number."""
+    """Observe the numbers in a field, divided by the step number."""
     seen = [[number / (each.step + 1) for number in getattr(each.message, field)] for each in sent]
     text = ", ".join(f"{number:.4f}" for number in seen[-1]) or "no number"
     changed = [now for before, now in pairwise([[], *seen]) if not same(before, now)]

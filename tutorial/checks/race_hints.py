@@ -1,4 +1,4 @@
-"""The hints of step 11. Its project has no solution to print: the score of ``tank race`` takes the place of a check."""
+"""Hints for step 11. Its project has no solution to print: the score of ``tank race`` takes the place of a check."""
 
 from tutorial.checks.exercise import SAYS
 

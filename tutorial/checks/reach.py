@@ -237,7 +237,7 @@ def at_once(trial: Trial) -> str:
 
 
 def on_ros(trial: Trial) -> str:
-    """Try the relay with rclpy's own nodes and a screen that starts late."""
+    """Try the relay with actual rclpy nodes and a screen that starts late."""
     early, late = list[JointState](), list[JointState]()
     with ros_node() as node, ros_node() as others:
         trial.call(trial.answer, node)

@@ -1,4 +1,4 @@
-"""The exercise `record`: a thread that writes, and how it ends.
+"""The exercise `record`: a thread that writes to a bag, and how to end it.
 
 Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
@@ -14,7 +14,7 @@ Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 Hint 1: Go through unconfigure line by line. After each line, ask: can a message still arrive, can one still be waiting
 in the queue, and can the thread still write?
 
-Hint 2: First stop listening, so that no more messages arrive. Then put a last entry into the queue to end the thread;
+Hint 2: First stop listening, so that no more messages arrive. Then put one last entry into the queue to end the thread;
 wait until the thread has ended, and only then close the bag. In write, a loop takes one entry after another until it
 gets None.
 

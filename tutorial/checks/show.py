@@ -15,7 +15,7 @@ Hint 1: Look at the two threads. The callback runs on the executor's thread, but
 thread: code that moves the body must run there.
 
 Hint 2: In configure, store config.body, config.node and config.call_later. Subscribe last, because the callback can run
-immediately, and make the topic from the body's name. The callback has one line, which posts a call of another method,
+immediately, and derive the topic from the body's name. The callback has one line, which posts a call to another method,
 with the message as its argument. That method matches the joints, sets the positions, computes the kinematics and calls
 notify_change, in this order.
 
@@ -57,7 +57,7 @@ class MyViewer(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: JointState) -> None:
-        """Move the body's joints to the message's positions."""
+        """Move the body's joints to the positions in the message."""
         positions, report = match_joints(self.body.joint_names, message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()
@@ -78,7 +78,7 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def states(*messages: tuple[str, Sequence[float]]) -> Step:
-    """Make a step that delivers messages, stamped 20 ms apart, and runs the calls that they post."""
+    """Make a step that delivers messages, stamped 20 ms apart, and runs the posted calls."""
     return heard(*[joint_state(*each, 100_200 + 20 * i) for i, each in enumerate(messages)])
 
 

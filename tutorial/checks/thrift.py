@@ -12,7 +12,7 @@ Write the controller `ThriftyPublisher`. It publishes a `JointState` on its body
 - The stamp is the simulated time of publication. Velocity and effort stay empty.
 - In `unconfigure`, have the node destroy the publisher.
 
-Hint 1: What do you have to compare each position with? Use the position that you last sent for the same joint, perhaps
+Hint 1: What do you have to compare each position with? Use the position that you last sent for the same joint, however
 long ago, and not the joint's position 20 ms ago. Compare each joint separately.
 
 Hint 2: Keep a dict that maps each joint's name to the position that you last sent for it. At first, the dict is empty,
@@ -166,7 +166,7 @@ PUBLISHING = Publishing(JointState, "joint_state", 50, moving, looks, namespaces
 
 
 def moved(*moves: Move, look: Any = None, **options: Any) -> Run:
-    """Observe the messages about a moving crane."""
+    """Observe the messages that are sent while a robot (by default, the crane) moves."""
     return PUBLISHING.sent(LOOK * (len(moves) + 2), look, ms=1, moves=moves, **{"model": "crane", **options})
 
 

@@ -1,4 +1,4 @@
-"""The exercise `tune`: parameters that other programs can set, and a check that refuses.
+"""The exercise `tune`: parameters that other programs can set, and a check that can reject new values.
 
 Write the controller `TrackLimits`. It declares two parameters on the program's node, `speed` and `turn` [m/s], with the
 initial values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without a step size.
@@ -12,12 +12,12 @@ initial values 1.0 and 0.5. Both are doubles with a description and a range from
 Hint 1: Look at what the callback gets: a list of the parameters that are being set, one or both. For a parameter that
 is not in the list, use its current value.
 
-Hint 2: In the callback, make a dict of the current values, and update it with the names and values of the list. Then
+Hint 2: In the callback, make a dict of the current values, and update it with the names and values in the list. Then
 test the sum. The callback changes nothing itself: self.node.get_parameter(name).value is always the accepted value.
 
 Hint 3: new = {"speed": ..., "turn": ...} from get_parameter, then new.update({each.name: each.value for each in
 parameters}). If new["speed"] + new["turn"] > 2.5, return SetParametersResult(successful=False, reason=...), otherwise
-SetParametersResult(successful=True). Register it with node.add_on_set_parameters_callback.
+SetParametersResult(successful=True). Register the callback with node.add_on_set_parameters_callback.
 
 Notice that rclpy itself rejects values of the wrong type or out of range, before it calls your callback.
 """
@@ -40,7 +40,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 
 
 class TrackLimits(SimpleController):
-    """Limit the speed and the turns of a tank."""
+    """Limit how fast a tank drives and turns."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Declare the parameters."""
@@ -56,7 +56,7 @@ class TrackLimits(SimpleController):
         return self.node.get_parameter("speed").value, self.node.get_parameter("turn").value
 
     def check(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Refuse limits whose sum is too high."""
+        """Reject limits whose sum is too large."""
         new = dict(zip(("speed", "turn"), self.limits()))
         new.update({each.name: each.value for each in parameters if each.name in new})
         total = new["speed"] + new["turn"]
@@ -79,12 +79,12 @@ RESULT = "In every case, return SetParametersResult(successful=True), or success
 
 
 def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
-    """Observe whether the node accepts values, and the limits afterwards. All values in a dict are set together.
+    """Observe whether the node accepts values, and what the limits are afterwards.
 
     Args:
-        sets: the values to set, one dict after another.
-        reason: a text that the reason of a refusal has to contain.
-        vetoed: whether a callback of other code, which runs last, refuses all values.
+        sets: the values to set, one dict after another. All values in a dict are set together.
+        reason: text that the reason for a rejection has to contain.
+        vetoed: whether a callback added by other code, which runs last, rejects all values.
     """
 
     def case(trial: Trial) -> str:
@@ -116,7 +116,7 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
 
 
 def limits(trial: Trial, bench: Bench) -> tuple[float, float]:
-    """Return the learner's limits, which have to be the parameters' values."""
+    """Return the learner's limits, which have to equal the parameters' values."""
     with trial.calling("limits"):
         if not callable(bench.learner.limits):
             raise Misuse("it is no method", "Write it without @property: def limits(self):")
@@ -154,7 +154,7 @@ def described(trial: Trial) -> str:
 
 
 def left(trial: Trial) -> str:
-    """Observe what is left after the controller has left the body."""
+    """Observe what remains after the controller has left the body."""
     with closing(Bench(trial)) as bench:
         return bench.leave()
 

@@ -109,7 +109,7 @@ def about(axis: Sequence[float], angle: float) -> Quaternion:
 
 
 def in_order(rotations: Sequence[Quaternion], point: ArrayLike) -> ArrayLike:
-    """Turn a point by all rotations in the wrong order: by the first one first."""
+    """Turn a point by all rotations in the wrong order, from the first to the last."""
     return reduce(lambda turning, q: turned(q, turning), rotations, point)
 
 

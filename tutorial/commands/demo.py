@@ -1,4 +1,4 @@
-"""The tables that compare the records of a run's processes at the end of the demo."""
+"""The tables at the end of the demo, which compare what its processes recorded."""
 
 import json
 from collections.abc import Mapping, Sequence

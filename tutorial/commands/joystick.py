@@ -115,14 +115,14 @@ def publish_joystick(
 ) -> float:
     """Publish a joystick's state on ``joy`` at 50 Hz until the time is up or `stop` is set.
 
-    A scripted drive starts with the first subscription, so that the subscriber receives the whole drive. The last
-    message centres the sticks.
+    A scripted drive starts when the first subscription appears, so that its subscriber receives the whole drive. The
+    last message centres the sticks.
 
     Args:
         node: the node to publish with.
         source: the joystick.
         duration: how long to publish [s]; None to publish until `stop` is set.
-        linger: the longest time [s] to keep publishing after the duration. During this time, publishing stops as soon
+        linger: the maximum time [s] to keep publishing after the duration. During this time, publishing stops as soon
             as one of the subscriptions ends, even if others remain: a monitoring program does not keep the joystick
             running.
         stop: set it, from any thread, to stop publishing.

@@ -29,7 +29,7 @@ def own_course() -> Path:
 
     Learners should not edit the notebooks of an installed package: all users would see the changes, and the next
     version would overwrite them. Therefore, the notebooks are copied, with all files that they refer to. Existing files
-    in the learner's folder stay unchanged; only missing files are added, such as a new notebook of a later version.
+    in the learner's folder stay unchanged; only missing files are added, such as a new notebook from a later version.
 
     Raises:
         TutorialError: the folder cannot be written to, or belongs to another user.
@@ -88,12 +88,12 @@ def _forwarded_origin() -> str:
 def trust(folder: Path, **settings: str) -> None:
     """Sign the course's notebooks as ``jupyter trust`` does, skipping unreadable ones.
 
-    After a reload of the page, JupyterLab shows no widgets in an untrusted notebook, and it does not trust notebooks
+    After the page is reloaded, JupyterLab shows no widgets in an untrusted notebook, and it does not trust notebooks
     that somebody else has run.
 
     Args:
-        folder: the folder of the notebooks.
-        settings: settings of Jupyter's notary, for instance ``data_dir``.
+        folder: the notebooks' folder.
+        settings: settings for Jupyter's notary, for instance ``data_dir``.
     """
     logging.getLogger("traitlets").setLevel(logging.WARNING)  # the notary logs the path of its key at info level
     notary = NotebookNotary(**settings)  # type: ignore[no-untyped-call]

@@ -67,7 +67,7 @@ def _write(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write a package's files into a new folder.
 
     Raises:
-        TutorialError: the folder already exists, or cannot be written.
+        TutorialError: the folder already exists, or cannot be written to.
     """
     try:
         folder.mkdir(parents=True)

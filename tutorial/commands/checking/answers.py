@@ -47,8 +47,8 @@ class Answer(NamedTuple):
         Statements that fail are skipped, so earlier definitions remain, as in a notebook.
 
         Raises:
-            Exception: the argument cannot be evaluated. If a name is missing, the error of the last failed statement is
-                raised instead, if there is one.
+            Exception: the argument cannot be evaluated. If a name is missing, the error from the last failed statement
+                is raised instead, if there is one.
         """
         if self.given is None:
             return None
@@ -73,7 +73,7 @@ class _Statement(NamedTuple):
         node: the syntax tree.
         file: the cell's name.
         binds: the names that it defines or changes.
-        uses: the global names that it uses, immediately or when it is called.
+        uses: the global names that it uses, immediately or when a function that it defines is called.
     """
 
     node: ast.stmt
@@ -83,7 +83,7 @@ class _Statement(NamedTuple):
 
 
 class _Check(NamedTuple):
-    """A call of a check: its exercise, its argument, and the index of its statement."""
+    """A call to a check: its exercise, its argument, and the index of its statement."""
 
     exercise: str
     given: ast.expr | None

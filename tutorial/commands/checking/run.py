@@ -42,7 +42,7 @@ async def judge_and_race(
         limit: the time limit per answer [s].
         is_sandboxed: whether to use a sandbox.
         line: the YAML file of the line to race along.
-        done: receives the verdicts. Even if the judging is cancelled, each notebook in it has all its verdicts.
+        done: receives the verdicts. Even if the judging is cancelled, each notebook in `done` has all its verdicts.
     """
     drivers = await _judge_all(names, jobs, limit, is_sandboxed, done)
     if not drivers:
@@ -90,7 +90,10 @@ async def _judge_all(
 
 
 async def _score(driver: str, project: Project, options: Options) -> Judged:
-    """Run a race, and return the score. If the driver failed or the race was not fair, the verdict is ``wrong``."""
+    """Run a race, and return the verdict and the score.
+
+    If the driver failed or the race was not fair, the verdict is ``wrong``.
+    """
     from tutorial.commands.racing import race
 
     with tempfile.TemporaryDirectory(prefix="tank-check-") as folder:

@@ -85,7 +85,7 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
 
     Args:
         seconds: the CPU time limit per process [s].
-        is_sandboxed: whether this process is in a sandbox; if so, also limit the number of processes, and refuse some
+        is_sandboxed: whether this process is in a sandbox; if so, also limit the number of processes, and reject some
             system calls.
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}

@@ -43,8 +43,8 @@ class Submission(NamedTuple):
     """The verdicts on a notebook that a learner has handed in, and the notebook's driver.
 
     Attributes:
-        verdicts: the verdicts by exercise name, in the notebook's order. If there is a problem with the notebook
-            itself, it comes first, under the name "".
+        verdicts: the verdicts by exercise name, in the notebook's order. A problem with the notebook itself, if
+            there is one, comes first, under the name "".
         driver: the program for the race; empty if the notebook has none.
     """
 
@@ -92,7 +92,7 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
-    """Let a process read a notebook or judge an answer, return its message, and kill the process and its children.
+    """Run a process that reads a notebook or judges an answer, kill it and its children, and return its message.
 
     Raises:
         EOFError: the process wrote nothing.
