@@ -302,7 +302,7 @@ class TestRequests:
         let = threading.Event()
         with stepping(requests):
             said = refusal(requests.ask, let.wait, TIMEOUT, timeout=0.05)
-            assert said == "the request was started, but did not return within 0.05 s."
+            assert said == "the request was started, but did not finish within 0.05 s."
             let.set()
             assert requests.ask(int) == 0
 

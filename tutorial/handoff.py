@@ -295,7 +295,7 @@ class RequestQueue:
         if answer.cancel():  # the request will never be started
             raise RefusedError(f"the simulation did not finish its step within {timeout:g} s.")
         if not answer.done():
-            raise RefusedError(f"the request was started, but did not return within {timeout:g} s.")
+            raise RefusedError(f"the request was started, but did not finish within {timeout:g} s.")
         return answer.result()
 
     def run_waiting(self) -> None:

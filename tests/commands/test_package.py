@@ -143,7 +143,7 @@ def test_its_node_takes_the_options_of_tank_run(here, domain):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("My-Tank", "'My-Tank' cannot be a package's name. Did you mean 'my_tank'? Use at least two"),
+        ("My-Tank", "'My-Tank' is not a valid package name. Did you mean 'my_tank'? Use at least two"),
         ("x", "at least two characters"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
         ("lambda", "Python already has a module or keyword 'lambda'"),

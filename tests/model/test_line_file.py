@@ -50,9 +50,9 @@ def test_it_is_seen_and_touches_nothing(write):
         ("pionts: [[0, 0], [1, 0]]", "line 1: unknown key 'pionts'. Did you mean 'points'?"),
         ("points:\n- [0, 0]\n- [.nan, 1]", "line 3: points[1][0]: "),
         ("points:\n- [0, 0]\n- [1, 0]\n- [1, 0]", "line 4: this point repeats the previous one. Leave it out."),
-        ("points:\n- [0, 0]\n- [3.05, 0]", "line 3: near this point, the line leaves the floor, at (3.05, 0.00)."),
-        ("points:\n- [0, 0]\n- [0, -3]", "Keep x within 3 m and y within 2.5 m of the laboratory's middle."),
-        ("points:\n- [0, -2.4]\n- [2.9, -2.4]\n- [2.9, -2.1]", "line 2: near this point, the line leaves the floor"),
+        ("points:\n- [0, 0]\n- [3.05, 0]", "line 3: the line leaves the floor near this point, at (3.05, 0.00)."),
+        ("points:\n- [0, 0]\n- [0, -3]", "Keep x within 3 m and y within 2.5 m of the centre of the laboratory."),
+        ("points:\n- [0, -2.4]\n- [2.9, -2.4]\n- [2.9, -2.1]", "line 2: the line leaves the floor near this point"),
         ("points: [[0, 0], [1, 0]]\nwidth: 3", "line 2: width: expected a number <= 0.2."),
     ],
 )

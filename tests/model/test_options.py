@@ -132,6 +132,6 @@ def test_attached_file(world, tmp_path, caplog, recwarn, monkeypatch):
     attach = '<asset><model name="arm" file="arm.xml"/></asset><worldbody><attach model="arm" prefix="P_"/></worldbody>'
     world('<option cone="pyramidal"/>' + attach)
     assert caplog.messages == [
-        "a model's file attaches another file whose options differ. The attached file's options are not used."
+        "a model file attaches another file whose options differ. The attached file's options are not used."
     ]
     assert list(recwarn) == []

@@ -45,7 +45,7 @@ report_option = click.option(
     help="Write measurements to DIR/NODE.json.",
 )
 LAYOUT = (
-    "Race along this line: its name, or a YAML file with, for example, "
+    "Race along this line: its name, or a YAML file that contains, for example, "
     "'points: [[-2, -0.5], [0, -1], [2, -1.3], [2.6, -0.5]]'."
 )
 headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Don't show the 3D view.")

@@ -53,7 +53,10 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool, ser
             "Build the package for the ROS 2 installed by tank ros install:\n\n"
         )
         print_text(f"    tank ros build {printable(str(folder))}\n\n")
-        print_text(f"or build it with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
+        print_text(
+            "or build it with a ROS 2 installation that you have sourced:\n\n    "
+            f"colcon build --packages-select {name}\n"
+        )
         return
     print_text(
         "\nFill in the license in package.xml and setup.py, and the maintainer if git doesn't know who you are. "

@@ -180,7 +180,7 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
     "domains",
     type=click.IntRange(0, 232),
     multiple=True,
-    help="Search this domain for TOPIC instead of the domains 0 to 10. Can be repeated.",
+    help="Search this domain for TOPIC instead of domains 0 to 10. Can be repeated.",
 )
 @click.pass_obj
 def check_up(ros_args: list[str], topic_name: str | None, domains: tuple[int, ...]) -> int:

@@ -25,7 +25,7 @@ ROOT = "base_link"
 """The name of the link that represents the body's root. The free joint that moves it is not in the description."""
 
 WORLD, FIRST = 0, 1
-"""MuJoCo's ids for the world and the root."""
+"""The MuJoCo IDs of the world and the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
 

@@ -118,6 +118,6 @@ def _check_floor(points: NDArray[np.float64]) -> None:
     if len(outside):
         (x, y), (half_x, half_y) = outside[0], FLOOR
         raise TutorialError(
-            f"near this point, the line leaves the floor, at ({x:.2f}, {y:.2f}). "
-            f"Keep x within {half_x:g} m and y within {half_y:g} m of the laboratory's middle."
+            f"the line leaves the floor near this point, at ({x:.2f}, {y:.2f}). "
+            f"Keep x within {half_x:g} m and y within {half_y:g} m of the centre of the laboratory."
         )

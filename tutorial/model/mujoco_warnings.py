@@ -14,14 +14,14 @@ AFTER_WARNING = {
     " in CTRL at ": "All controls are treated as 0 until all of them are valid again.",
     " in Q": "The simulated world is reset to its initial state.",  # matches QPOS, QVEL and QACC
 }
-"""MuJoCo's reactions that its warnings do not mention, by a part of the warning's text."""
+"""What MuJoCo does without mentioning it in the warning, keyed by a part of the warning's text."""
 
 IN_OTHER_WORDS = {
     "Attach conflict": (
-        "a model's file attaches another file whose options differ. The attached file's options are not used."
+        "a model file attaches another file whose options differ. The attached file's options are not used."
     ),
 }
-"""Replacements for warnings that only MuJoCo's own developers understand, by the beginning of the warning."""
+"""Replacements for warnings that only MuJoCo's own developers understand, keyed by the beginning of the warning."""
 
 _log = logging.getLogger(__name__)
 

@@ -24,7 +24,7 @@ WORDS = {
     "jacobian": ("dense", "sparse", "auto"),
     "solver": ("PGS", "CG", "Newton"),
 }
-"""MJCF's keywords for the values of MuJoCo's enumerations."""
+"""The MJCF keywords for the values of MuJoCo's enumerations."""
 
 SIZES = (
     *("memory", "njmax", "nconmax", "nstack", "nkey", "nuserdata", "nuser_body", "nuser_jnt", "nuser_geom"),

@@ -23,7 +23,7 @@ WORDS = {
     "bool": "true or false",
     "null": "nothing",
 }
-"""YAML's names for the types in msgspec's errors."""
+"""YAML names for the types in msgspec's errors."""
 
 
 class _Loader(yaml.SafeLoader):

@@ -12,8 +12,9 @@ SAME_NAME = (
     "with --ros-args -r __node:=%s_2, or its own ROS_DOMAIN_ID"
 )
 SAME_CLOCK = (
-    "there are %d publishers on /clock, so simulated time jumps for every node that uses it. Let only one program "
-    "publish /clock: remove 'clock: true' from the other program's project, or give that program its own ROS_DOMAIN_ID"
+    "there are %d publishers on /clock, so simulated time jumps for every node that uses it. Make sure that "
+    "only one program publishes /clock: remove 'clock: true' from the other program's project, or give that program "
+    "its own ROS_DOMAIN_ID"
 )
 
 _log = logging.getLogger(__name__)

@@ -123,7 +123,7 @@ def _choose(wanted: str) -> Backend:
     if wanted == "rclpy" and not pocket_ros2.uninstall():
         raise TutorialError(
             "the pocket ROS 2 is already in use. Choose the real one before importing anything from ROS 2: "
-            "in a notebook, restart the kernel, and run the cell that calls use_real_ros() first."
+            "in a notebook, restart the kernel, and start with the cell that calls use_real_ros()."
         )
     if sourced is None:
         folder.activate()

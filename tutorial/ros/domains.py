@@ -12,9 +12,10 @@ FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports per domain."""
 FIRST_UNICAST = 10  # offset from a domain's first port; from there, every second port belongs to a participant
 DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
-"""Domain IDs whose ports the system does not assign to other programs (ROS 2's documentation, "The ROS_DOMAIN_ID").
+"""Domain IDs whose ports the system does not assign to other programs.
 
-The list omits the IDs up to 10: people choose them by hand, and the doctor searches those domains.
+See "The ROS_DOMAIN_ID" in the ROS 2 documentation. The list omits the IDs up to 10: people choose them by hand, and the
+doctor searches those domains.
 """
 
 

@@ -18,7 +18,7 @@ def check_package_name(name: str) -> None:
     """
     if not VALID.fullmatch(name):
         rule = "Use at least two characters: lowercase letters, digits and single underscores, starting with a letter."
-        raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
+        raise TutorialError(f"{name!r} is not a valid package name.{_nearest(name)} {rule}")
     if iskeyword(name) or find_spec(name) is not None:
         advice = f"Choose a different name, such as {f'my_{name}'!r}."
         raise TutorialError(

@@ -179,7 +179,7 @@ def test_a_killed_recording_is_read_up_to_its_last_flush(tmp_path, storage):
     bag = Bag(tmp_path / "bag")
     assert list(bag.raw_messages()) == written[:90]
     assert sum(topic.count for topic in bag.topics) == 90
-    assert "metadata.yaml is missing, as happens if a recording is killed" in bag.damage
+    assert "metadata.yaml is missing, as happens if the recorder is killed" in bag.damage
 
 
 def test_a_truncated_file_is_read_as_far_as_possible(tmp_path, storage):

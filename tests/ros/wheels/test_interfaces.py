@@ -82,7 +82,7 @@ def test_page_shows_the_examples(mine):
         ("tf2_msgs", "ROS 2 already has a package 'tf2_msgs'"),
         ("numpy", "Python already has a module or keyword 'numpy'"),
         ("MyMsgs", "Did you mean 'my_msgs'?"),
-        ("", "cannot be a package's name"),
+        ("", "is not a valid package name"),
     ],
 )
 def test_unusable_name(mine, tmp_path, name, said):

@@ -20,7 +20,7 @@ EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Z
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 """Matches an import statement; the group is the imported top-level module."""
 DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
-"""rosdep's keys for modules whose package has a different name. Message modules are named after their packages."""
+"""The rosdep keys for modules whose package has a different name. Message modules are named after their packages."""
 NOBODY = ("Your Name", "you@example.com")
 """The name and email address of a placeholder maintainer; the learner has to replace both."""
 

@@ -14,7 +14,7 @@ from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.view.assets import read_static
 
 TIMEOUT = 0.5
-"""The sticks are treated as released if no message arrives for this time [s]: the tab or the laptop may be closed."""
+"""The sticks are treated as released if no message arrives for this long [s]: the tab or laptop may be closed."""
 
 
 class _Sticks(Struct, tag="sticks"):

@@ -239,7 +239,7 @@ class Bag:
     def _read_metadata(self) -> _Information:
         path = self.path / "metadata.yaml"
         if not is_file(path):
-            self._say("its metadata.yaml is missing, as happens if a recording is killed")
+            self._say("its metadata.yaml is missing, as happens if the recorder is killed")
             return _Information()
         try:
             return msgspec.convert(read_yaml(path.read_bytes()), _Metadata).rosbag2_bagfile_information

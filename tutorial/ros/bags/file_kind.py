@@ -25,7 +25,7 @@ FOREIGN = {
     b"PK\x03\x04": "it is a zip archive. Unpack it first",
     b"7z\xbc\xaf\x27\x1c": "it is a 7z archive. Unpack it first",
 }
-"""The first bytes of other kinds of files, what the file is, and what to do with it."""
+"""The first bytes of other kinds of files, what each file is, and what to do with it."""
 
 UNKNOWN = "it is neither an MCAP file nor an SQLite file"
 TAR_AT, TAR = 257, b"ustar"

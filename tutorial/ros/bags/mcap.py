@@ -117,7 +117,7 @@ class McapReader:
             self._check_begin(file)
             end = file.seek(self._end - len(MCAP0_MAGIC))
             if file.read() != MCAP0_MAGIC:
-                say("its end is missing, as happens if a recording is killed or fills the disk")
+                say("its end is missing, as happens if the recorder is killed or fills the disk")
                 return
             self._end = end
             footer = next(self._records(file, max(end - FOOTER_SIZE, 0), end), None)

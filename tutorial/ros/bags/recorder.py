@@ -229,7 +229,7 @@ class Recorder:
             self.error = error
             self.lost += len(self._waiting)
             self._waiting.clear()
-        _log.error("the bag %r can no longer be written: %s", str(self.path), error.strerror)
+        _log.error("the bag %r can no longer be written to: %s", str(self.path), error.strerror)
 
 
 def _definition(type_name: str) -> tuple[str, str]:

@@ -60,8 +60,8 @@ class ChaosStream:
         subscription = node.create_subscription(JointState, good, self._send, DEPTH)
         if subscription.topic_name == self._publishers["publish"].topic_name:
             raise TutorialError(
-                f"the good and the faulty stream are both on {subscription.topic_name!r}. Start the good stream's "
-                f"publisher with --ros-args -r {TOPIC}:=/good, and read its messages with --from /good."
+                f"the good stream and the faulty stream are both on {subscription.topic_name!r}. Start the good "
+                f"stream's publisher with --ros-args -r {TOPIC}:=/good, and read its messages with --from /good."
             )
 
     def _swing(self) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 DOMAINS = range(11)
-"""The domains to search by default, if nobody publishes the topic."""
+"""The domains to search by default if the topic has no publisher in this domain."""
 
 
 async def examine(

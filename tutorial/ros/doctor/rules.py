@@ -384,7 +384,8 @@ RULES: dict[str, Rule] = {
         _name,
         "Two names refer to the same topic only if they are identical, including the namespace and "
         "the case of each letter.",
-        "Correct the name in one of the programs, or remap the checked topic when you start the program that uses it:",
+        "Correct the name in one of the programs, or remap the topic being checked when you start the program that "
+        "uses it:",
         command="--ros-args -r TOPIC:=OTHER",
         look="topic list -t",
     ),
@@ -472,7 +473,7 @@ RULES: dict[str, Rule] = {
         "the programs use different middleware",
         _rmw,
         "Programs that use Zenoh and programs that use DDS cannot find each other. "
-        "Programs that use Cyclone DDS and programs that use Fast DDS can.",
+        "Programs that use Cyclone DDS and programs that use Fast DDS can find each other.",
         "Start all programs with the same RMW_IMPLEMENTATION.",
         command="export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
         look="printenv RMW_IMPLEMENTATION",

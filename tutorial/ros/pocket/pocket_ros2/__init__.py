@@ -12,7 +12,7 @@ from pathlib import Path
 __all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
-"""The folder to add to Python's path. Until it is added, its packages cannot be imported and hide no real packages."""
+"""The folder to add to Python's path. Until it is added, its packages cannot be imported, and do not hide real ones."""
 
 
 def install(*, first: bool = False) -> bool:

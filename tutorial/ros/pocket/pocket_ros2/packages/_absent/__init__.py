@@ -9,7 +9,7 @@ from types import FrameType
 from typing import Any
 
 TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
-"""Packages of ROS 2 Jazzy that the pocket ROS 2 lacks, and the missing parts of its incomplete packages."""
+"""ROS 2 Jazzy packages that the pocket ROS 2 lacks, and the parts missing from its incomplete packages."""
 
 IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
 """Packages of a real ROS 2 that are also on PyPI, except message packages."""

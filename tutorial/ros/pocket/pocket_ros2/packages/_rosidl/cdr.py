@@ -20,9 +20,9 @@ from _rosidl.values import PRIMITIVES
 
 HEADER = 4  # bytes that identify the encoding, before the message
 ORDERS = {b"\0\0": ">", b"\0\1": "<"}
-"""The byte order of numbers in each encoding, in `struct`'s notation."""
+"""The byte order of numbers in each encoding, in `struct` notation."""
 CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"bool": "?", "byte": "c"}
-"""`struct`'s codes for the primitives; strings have no code."""
+"""The `struct` codes for the primitives; strings have no code."""
 
 # Each template is code that reads one kind of field from the bytes `data`, at the offset `at` or after the padding that
 # follows it: an N-byte number begins at a multiple of N.

@@ -20,7 +20,7 @@ TABLE = json.loads(Path(__file__).with_name("arguments.json").read_text(encoding
 FLAGS: dict[str, str] = TABLE["flags"]
 RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
 READABLE = re.compile(r"([\w/~{}*]+:(?!=))?(rostopic://)?[\w/~{}*]*(:=[\w/~{}*]*)?")
-"""The leading part of a remapping that rcl can read."""
+"""Matches as much of the beginning of a remapping as rcl can read."""
 TOKEN = r"(?!\w*__)[A-Za-z_]\w*"
 TOPIC = rf"(?:~?/)?{TOKEN}(?:/{TOKEN})*"
 REMAPPING = re.compile(

@@ -35,9 +35,9 @@ __all__ = ["TransportError", "decode_nodes", "encode_nodes", "join"]
 Entry = TypeVar("Entry")
 
 FATAL_AND_ERROR = 3
-"""Kinds of messages that Cyclone DDS may print. Warnings are excluded, because Cyclone DDS warns about each malformed
-packet, and its configuration cannot turn these warnings off. Warnings about the configuration itself are printed before
-this setting takes effect."""
+"""Kinds of messages that Cyclone DDS is allowed to print. Warnings are excluded, because Cyclone DDS warns about each
+malformed packet, and its configuration cannot turn these warnings off. Warnings about the configuration itself are
+printed before this setting takes effect."""
 UNLIMITED = -1
 INCOMPATIBLE = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILITY", 24: "TYPE"}
 """DDS's numbers for the reasons why a writer and a reader are incompatible: a policy, or their message types."""
