@@ -22,7 +22,7 @@ SIGNS = {
     "and `ros2 topic info TOPIC` prints `Publisher count: 0`.",
     "domain": "`ros2 topic list` does not show the topic, but `ROS_DOMAIN_ID=5 ros2 topic list` does.",
     "type": "`ros2 topic info TOPIC` lists two types.",
-    "hash": "`ros2 topic info -v TOPIC` shows two different values of `Topic type hash`.",
+    "hash": "`ros2 topic info -v TOPIC` shows two different values for `Topic type hash`.",
     "reliability": "The subscribing program prints a warning that contains `incompatible QoS` and `RELIABILITY`.",
     "durability": "The subscribing program prints a warning that contains `incompatible QoS` and `DURABILITY`.",
     "deadline": "The subscribing program prints a warning that contains `incompatible QoS` and `DEADLINE`.",

@@ -14,7 +14,7 @@ from tutorial.model.options import set_options
 from tutorial.model.urdf_file import read_urdf
 
 FAILS = (ValueError, RuntimeError)
-"""The errors that MuJoCo raises for a model that it cannot load or compile; RuntimeError if it runs out of memory."""
+"""The errors that MuJoCo raises if it cannot load or compile a model; RuntimeError if it runs out of memory."""
 
 mujoco.set_mju_user_warning(mujoco_warns)
 

@@ -102,7 +102,7 @@ MISTAKES = [
     Mistake("your code computes the torque from the old reference. Move the reference first.",
             replace("(q_ref - q)", "(self.q_ref - q)")),
     Mistake("your code adds the torque to the previous one with +=. Set it with "
-            "=: joint.effort still holds the torque of the previous step.",
+            "=: joint.effort still holds the torque from the previous step.",
             both(replace("self.joint.effort =", "self.joint.effort +="),
                  replace("200 * (q_ref - q) + 50 * (dq_ref - dq)", "200 * (q_ref - q) + 50 * (dq_ref - dq)",
                          "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),

@@ -54,16 +54,16 @@ READ = {
     FIRST: f"Your code probably reads the joint only once, in initialize. {ASK}",
     DURING: "Your code probably reads the joint on the executor's thread, in the middle of a step. Read its position "
     "in the function that the simulation's thread runs: self.ask(self.read, timeout=0.5).",
-    STORED: f"Your code probably stores the angle in control, where it is soon out of date. {ASK}",
+    STORED: f"Your code probably stores the angle in control, so the stored angle is soon out of date. {ASK}",
     BARREL: "Your code probably reads a different joint. The turret's joint is TURRET_Y.",
 }
 """The likely cause of each wrong angle."""
 FORMAT = 'The number is right. Write two decimal places, even if they are 0, and then the unit: f"{angle:.2f} rad".'
 DEGREES = "Your code probably converts the angle to degrees. The joint's position is already in radians."
-FAILED = "The angle is right, but success is False. When ask has returned, set response.success = True."
+FAILED = "The angle is right, but success is False. Once ask has returned, set response.success = True."
 EMPTY = (
-    "Your code probably returns the response before anything fills it in. call_later returns immediately, without a "
-    "result; ask waits for the result. Set success and message, then return the response."
+    "Your code probably returns the response before it has been filled in. call_later returns immediately, without "
+    "a result; ask waits for the result. Set success and message, then return the response."
 )
 NEVER = f"You never call config.ask. {ASK}"
 
@@ -194,7 +194,7 @@ CASES = [
     Case("in a simulation, with the turret at 0.25 rad", read("Tank", 0.25), WHERE),
     Case("on the body Rover, in two simulations", read("Rover", -0.5, 1.0), WHERE),
     Case("without a simulation", refused,
-         "Your code probably reports success, uses a text of its own, or doesn't catch the error. If ask raises a "
+         "Your code probably reports success, uses its own text, or doesn't catch the error. If ask raises a "
          "RefusedError, set message to the error's text, and success to False.", crashes=True),
     Case("while a step takes 1.2 s", late,
          "Your code probably omits the timeout, or uses a different one. Write self.ask(self.read, timeout=0.5)."),

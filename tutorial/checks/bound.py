@@ -46,8 +46,8 @@ def four_axes(message: Joy) -> list[float]:
 
 
 MISTAKES = [
-    Mistake("your code removes an invalid axis, so the axes after it move to the wrong places. Use 0 if an axis "
-            "isn't finite, and the nearest limit if it is outside the range.",
+    Mistake("your code removes an invalid axis, so the axes after it end up in the wrong places. Use 0 if an "
+            "axis isn't finite, and the nearest limit if it is outside the range.",
             replace("*message.axes[:4],", "*filter(isfinite, message.axes[:4]),",
                     "*filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),")),
     Mistake("your code never returns a negative number. The range is -1 to 1: min(max(axis, -1.0), 1.0).",

@@ -63,7 +63,7 @@ MEANING = ("Your code probably uses the wrong pairs: use each pair "
 A_DICT = (
     "Return a dict that maps names to positions; it is empty if no pair is valid. dict(pairs) makes a dict from pairs."
 )
-KEPT = "Your code probably reuses one dict in all calls, such as a default argument. Make a new dict in every call."
+KEPT = "Your code probably reuses one dict, such as a default argument, in all calls. Make a new dict in every call."
 
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
@@ -101,11 +101,11 @@ def pairs(found: dict[Any, Any]) -> list[str]:
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
-UNKNOWN = ("Your code probably looks up unknown names, or stops at the first unknown name. Skip that pair, and "
-           "continue.")  # fmt: skip
+UNKNOWN = ("Your code probably looks up unknown names, or stops at the first unknown name. Skip any pair with an "
+           "unknown name, and continue.")  # fmt: skip
 EMPTY = "Your code probably expects at least one position. If there are no positions, return {}."
 NOT_A_NUMBER = ("Your code probably returns NaN, or lets it affect the other "
-                "joints. Skip only that pair; math.isfinite detects it.")  # fmt: skip
+                "joints. Skip only the pair with NaN; math.isfinite detects NaN.")  # fmt: skip
 TWICE = ("Your code probably uses the wrong position for a repeated name, "
          "or omits the name. Use its last finite position.")  # fmt: skip
 CASES = [

@@ -22,7 +22,7 @@ OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
 """Suffixes of model files, other than .xml. Reading a xacro file raises an error that explains how to convert it."""
 
 PACKAGE = Path(__file__).resolve().parents[1]
-"""The folder of the package ``tutorial``. Its parent folder is on Python's path."""
+"""The folder of the package ``tutorial``. Its parent folder is on the Python path."""
 
 SHIPPED = PACKAGE / "_files"
 """The course folder in an installed package. A checkout does not have this folder."""

@@ -19,7 +19,7 @@ ODOM = "odom"
 FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 
 ROOT = 1
-"""MuJoCo's id of a robot's first body, which `base_link` is fixed to."""
+"""The MuJoCo ID of a robot's first body, which `base_link` is fixed to."""
 
 
 class Frame(NamedTuple):

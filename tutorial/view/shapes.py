@@ -23,7 +23,7 @@ ENDLESS = 20.0
 """The length and width [m] of a plane that is infinite in MuJoCo (size 0)."""
 
 FRONT, BOTH = 0, 2
-"""three.js's constants that select which sides of a surface are drawn."""
+"""The three.js constants that select which sides of a surface are drawn."""
 
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 
@@ -41,7 +41,7 @@ AXES = {
 """The rotation from z to each axis, and the axis's colour as 0xRRGGBB."""
 
 ON_TOP = {"depthTest": False, "transparent": True}
-"""Settings of a material that is drawn on top of everything."""
+"""Settings for a material that is drawn on top of everything else."""
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """The axis of a cylinder is y in three.js, but z in MuJoCo."""

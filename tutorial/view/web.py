@@ -40,7 +40,7 @@ OWN_HOSTS = r"127\.0\.0\.1|localhost"
 gets "not found". A foreign page that uses the right name has a different origin, so it cannot open a WebSocket."""
 
 LARGEST_BODY = 1024
-"""The size limit of a request's body [bytes]; no request needs a body."""
+"""The size limit of a request body [bytes]; no request needs a body."""
 
 
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):

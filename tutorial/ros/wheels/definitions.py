@@ -14,7 +14,8 @@ from tutorial.ros.wheels import folder
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
 
 MESSAGE = re.compile(r"^(?:(\w+)/)?([A-Z]\w*)", re.MULTILINE)
-"""A field type that is a message, with its package. Types of constants and of other fields are lowercase."""
+"""Matches the type of a field that holds a message, and the type's package, if given. Constants and all other fields
+have lowercase types."""
 
 
 def find_mistake(source: Path, package: str, prefix: Path) -> str:

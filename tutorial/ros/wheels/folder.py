@@ -16,13 +16,13 @@ WHEELS = Path(__file__).with_name("runtime.txt")
 """List of the wheels in the folder, with versions and hashes."""
 
 ABOUT = WHEELS.with_name("about.txt")
-"""A text for users that describes these wheels."""
+"""A text that describes these wheels to users."""
 
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
 
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
-"""The environment variable for the path of Fast DDS's settings file."""
+"""The environment variable for the path of the Fast DDS settings file."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
@@ -105,7 +105,7 @@ def explain_missing(module: str) -> None:
         raise TutorialError(NO_TF2_MSGS)
     if module in NOT_ON_PYPI:
         others = "RoboStack and Ubuntu have packages for all of ROS 2: see book/real_ros2.md."
-        raise TutorialError(f"the real ROS 2 from tank ros install has no {module}, because PyPI lacks it. {others}")
+        raise TutorialError(f"the real ROS 2 from tank ros install has no {module}: it is not on PyPI. {others}")
 
 
 def is_supported() -> bool:

@@ -27,10 +27,10 @@ TOOLS = HERE / "build.txt"
 """List of the wheels that are needed to build an interface package, with versions and hashes."""
 
 TF2_MSGS = HERE / "tf2_msgs"
-"""The source of tf2_msgs, which PyPI lacks."""
+"""The source of tf2_msgs, which is not on PyPI."""
 
 FOREIGN = ("AMENT_", "CMAKE_", "COLCON_", "DESTDIR", "LD_", "PYTHON")
-"""Prefixes of environment variables that could lead the build to a different ROS 2 or Python."""
+"""Prefixes of environment variables that could make the build use a different ROS 2 or Python."""
 
 
 def build_interfaces(source: Path, prefix: Path, report: Report) -> str:

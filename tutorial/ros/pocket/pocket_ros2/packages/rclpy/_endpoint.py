@@ -30,7 +30,7 @@ class Endpoint(Destroyable):
     """
 
     _noun: str
-    """The word for such an endpoint in log lines. A program's own subclass keeps it."""
+    """The word for this kind of endpoint in log lines. Subclasses defined by a program inherit it."""
     _warning: str
 
     def __init__(self, node: Node, msg_type: type[Message], topic: str, qos_profile: QoSProfile) -> None:

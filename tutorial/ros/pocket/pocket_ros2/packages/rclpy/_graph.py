@@ -18,8 +18,8 @@ AT_ONCE = 256
 """Maximum number of announcements to take at once. Without a limit, a steady stream of them could block the caller."""
 LONGEST = 32_768
 """Maximum size of an announcement [bytes]: enough for about 100 nodes in one process, with all their publishers.
-Decoding so large an announcement takes about 10 ms, or 40 ms during a garbage collection. A query for nodes decodes at
-most two of them."""
+Decoding an announcement of this size takes about 10 ms, or 40 ms during a garbage collection. A query for nodes decodes
+at most two of them."""
 
 TOPIC, TYPE_NAME = "ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo"
 WRITER_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

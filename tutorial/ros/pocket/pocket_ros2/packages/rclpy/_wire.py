@@ -19,7 +19,7 @@ from rclpy._rclpy_pybind11 import RCLError
 
 PRIMITIVES: dict[str, Any] = {name: getattr(types, name) for name, of in values.PRIMITIVES.items() if of.code}
 PRIMITIVES |= {"bool": bool, "string": str, "byte": types.array[types.uint8, 1]}
-"""Cyclone DDS's types for the primitives. In rclpy, a byte is a ``bytes`` object of length 1; here it is an array of
+"""The Cyclone DDS types for the primitives. In rclpy, a byte is a ``bytes`` object of length 1; here it is an array of
 one uint8."""
 
 _lock = threading.RLock()

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 
 LONGEST_WAIT = 0.1
-"""Maximum length of one wait [s]: between waits, a sleeper checks whether a signal or a call shut the context down."""
+"""Maximum length of one wait [s]: between waits, a sleeper checks whether a signal or a call has shut the
+context down."""
 
 
 class Clock:

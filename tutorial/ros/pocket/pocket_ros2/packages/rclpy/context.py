@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rclpy.executors import SingleThreadedExecutor
 
 TIMEOUT = 2.0
-"""How long a shutdown waits for a running callback [s]."""
+"""Maximum time that a shutdown waits for a running callback [s]."""
 
 NOT_VALID = "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
 

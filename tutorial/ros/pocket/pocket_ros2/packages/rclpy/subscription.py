@@ -104,7 +104,7 @@ class Subscription(Endpoint):
         if not self._has_reported_malformed:
             self._has_reported_malformed = True
             self._node.get_logger().error(
-                f"A message on topic '{self.topic}' was dropped: {error}. Other malformed messages will be dropped "
+                f"A message on topic '{self.topic}' was dropped: {error}. Further malformed messages will be dropped "
                 "silently."
             )
 
