@@ -91,8 +91,8 @@ MISTAKES = [
     Mistake("your code sets no speed or ignores messages while the stick is at rest, "
             "so the tank keeps its last speed. Set the speed to 0.",
             replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
-    Mistake("your code swaps left and right. If you push the stick to the left (left_x > 0), the left track is slower "
-            "and the right track is faster.",
+    Mistake("your code swaps left and right. If you push the stick to the left (left_x > 0), the left track has "
+            "to run slower and the right track faster.",
             replace("0.5 * left_x", "-0.5 * left_x")),
     Mistake("your code swaps left_x and left_y. axes[0] is left_x (sideways), and axes[1] is left_y (forward).",
             replace("left_x, left_y =", "left_y, left_x =")),
@@ -108,7 +108,7 @@ MISTAKES = [
             replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
                     "abs(complex(*axes[:2])) > 0.3")),
     Mistake("your code subtracts the dead zone from the axis, or rescales the "
-            "axis. Outside of the dead zone, use the axis unchanged.",
+            "axis. Outside the dead zone, use the axis unchanged.",
             replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
 ]  # fmt: skip
 MEANING = ("Compare your code with this: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
@@ -126,7 +126,7 @@ def speeds(rig: Rig) -> str:
     """Describe the commanded speeds, and report any other commands."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
     more = ", and the turret or the barrel also moves" * any(turret)
-    more += ", and the displayed copy receives commands, too" * any(rig.displayed.data.ctrl)
+    more += ", and the displayed copy also receives commands" * any(rig.displayed.data.ctrl)
     return f"left {left:+z.2f}, right {right:+z.2f} m/s{more}"
 
 
@@ -203,10 +203,10 @@ CASES = [
          "Your code probably uses \"/joy\" or a different topic or type, or doesn't "
          'subscribe. In configure, call create_subscription(Joy, "joy", ...).'),
     Case("after a message, before the next step", after("start", DRIVES),
-         "The callback probably sets the tracks' speeds. Set them only in control, on the simulation's thread."),
+         "The callback probably sets the track speeds. Set them only in control, on the simulation's thread."),
     Case("before the first message", after("start", 1),
-         "Your code probably assumes that a message has arrived. "
-         "Before the first message, use an empty one: Latest(Joy()).",
+         "Your code probably assumes that a message has already arrived. "
+         "Until the first message arrives, use an empty message: Latest(Joy()).",
          crashes=True),
     Case("the second step commands the same speeds", second_step,
          "Your code probably smooths the speeds, or uses a message in only one step. "
@@ -233,9 +233,9 @@ CASES = [
          "Your callback probably stores a message's axes one by one, "
          "and control runs in between. Put the whole message into self.joy."),
     Case("a message arrives between control's instructions", lambda trial: halved(trial, False),
-         "Your control probably reads self.joy twice, and a message "
+         "Your control method probably reads self.joy twice, and a message "
          "arrives in between. Get the message once, and read both axes from it."),
-    Case("a message as soon as the subscription exists", early(Rig, Joy(axes=DRIVES))),
+    Case("a message arrives as soon as the subscription exists", early(Rig, Joy(axes=DRIVES))),
     Case("after unconfigure", lambda trial: Rig(trial).leave()),
 ]  # fmt: skip
 

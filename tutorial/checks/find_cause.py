@@ -130,7 +130,7 @@ MISTAKES = [
             "Return 'dropped' only if more than half of the messages move no joint.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved")),
     Mistake("your code reports dropped messages only if no message moves a joint. "
-            "It is enough if more than half of the messages move no joint.",
+            "Return 'dropped' if more than half of the messages move no joint.",
             replace("facts.unmoved > facts.received / 2", "facts.unmoved == facts.received")),
 ]  # fmt: skip
 MEANING = ("Compare your steps with these: If there is no publisher, return 'domain' or 'nobody'. Then, for each "

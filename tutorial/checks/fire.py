@@ -73,11 +73,11 @@ MISTAKES = [
     Mistake("on_joy never puts True into self.fire. Put message.buttons[0] == 1 into it: "
             "a whole list never equals 1, and the number 1 is not the object True.",
             replace("== 1", "is True")),
-    Mistake("your code doesn't put False when the button is released, or ignores messages in quick succession. "
-            "Put the button's state from every message into self.fire.",
+    Mistake("your code doesn't put False into self.fire when the button is released, or ignores messages that arrive "
+            "in quick succession. Put the button's state from every message into self.fire.",
             replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
     Mistake("your code toggles the value each time the button is pressed, "
-            "like a light switch. Put True while the button is pressed.",
+            "like a light switch. Put True into self.fire while the button is pressed.",
             both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
                  replace("self.fire.put(pressed)",
                          "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
@@ -148,17 +148,18 @@ CASES = [
          '"joy". Call super().configure(config) in it, or remove the method.'),
     Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is still pressed in a second message", after((1, 0), (1, 0)),
-         "Your code probably puts True only when the button goes down. Put True while the button is pressed."),
+         "Your code probably puts True into self.fire only when the button goes down. "
+         "Put True into it while the button is pressed."),
     Case("button 0 is released", after((1, 0), (0, 0)),
-         "Your code probably doesn't put False when the button is released, "
-         "or ignores messages in quick succession."),
+         "Your code probably doesn't put False into self.fire when the button is released, "
+         "or ignores messages that arrive in quick succession."),
     Case("button 0 is pressed, after a message in which it is released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
     Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
     Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),
     Case("a message without buttons, after a message in which button 0 is pressed", after((1, 1), ()),
          "Your code probably reads message.buttons[0] without checking "
-         "that it exists, or doesn't change self.fire. Put False if there is no button.", crashes=True),
+         "that it exists, or doesn't change self.fire. Put False into self.fire if there is no button.", crashes=True),
     Case("a message with a single button, which is pressed", after((1,)),
          "Your code probably requires more than one button. One is enough: len(message.buttons) > 0.", crashes=True),
     Case("two tanks, and button 0 is pressed on the first tank's joystick", two),

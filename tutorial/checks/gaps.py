@@ -198,7 +198,7 @@ CASES = [
     Case("a restart, then a gap", bag(3.98, 0.0, 0.02, 0.42, 0.44)),
     Case("two restarts", bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52)),
     Case("a restart at 50 s", bag(100.0, 100.02, 50.0, 50.02)),
-    Case("the same restart and the same gap, each of them twice", bag(5.0, 0.0, 5.0, 0.0, 5.0)),
+    Case("the same restart and the same gap, each twice", bag(5.0, 0.0, 5.0, 0.0, 5.0)),
     Case("two gaps of equal length", bag(1.0, 1.2, 1.4)),
     Case("half a minute without a message", bag(1.0, 1.02, 31.02, 31.04)),
     Case("a robot's stamps, exactly 0.1 s apart", bag(0.826, 0.926, 0.946, since=SINCE_1970), FRACTION),

@@ -245,7 +245,7 @@ CASES = [
          "message.height, message.width, _ = pixels.shape."),
     Case("the encoding", PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
          "Your code probably omits the encoding, or sets the wrong one: "
-         'one byte per pixel is called "mono8", in lower case.'),
+         'the encoding with one byte per pixel is called "mono8", in lower case.'),
     Case("the row", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
          "Your code probably omits step, or counts three bytes per pixel: "
          "a row has message.step = message.width bytes."),

@@ -123,7 +123,7 @@ MISTAKES = [
             replace("velocity.x, velocity.y, velocity.z =", "velocity.z, velocity.y, velocity.x =",
                     "velocity.y, velocity.x, velocity.z =", "velocity.x, velocity.z, velocity.y =",
                     "_, _, velocity.z =")),
-    Mistake("your code uses the frame of the chassis. The crane's sensor is at "
+    Mistake("your code uses the chassis frame. The crane's sensor is at "
             "the tip of its jib: use the sensor's frame, \".../GYRO\".",
             replace('{self.sensor.name}"', 'base_link"')),
     Mistake("your code converts the angular velocity. Send it unchanged: the "
@@ -195,7 +195,7 @@ CASES = [
     Case("the frame on the crane Lift", PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"), FRAME),
     Case("on the crane, with steps of 20 ms", PUBLISHING.sent(0.45, model="crane", ms=20)),
     Case("on a robot that doesn't turn", RESTING.rate(10),
-         "Your code probably publishes nothing while the robot doesn't turn. Publish every "
+         "Your code probably publishes nothing while the robot isn't turning. Publish every "
          "message: receivers can't distinguish a robot at rest from a lost connection."),
     Case("on a robot with only a gyroscope", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
          "Your code probably also uses the accelerometer, which this robot lacks. "

@@ -186,7 +186,7 @@ WRONG = [
         edited(answer, ("_request: Trigger.Request, response", "response: Trigger.Request, _response")),
         "not have this field",
     ),
-    (edited(answer, (ASK, f"len({ASK})")), "Set message to a text"),
+    (edited(answer, (ASK, f"len({ASK})")), "Set message to a string"),
     (edited(answer, ('joint("TURRET_Y")', 'joint["TURRET_Y"]')), "Fix this line first"),
     (edited(answer, ("self.node.destroy_service(self.service)", "self.node.destroy_node()")), "Destroy only what"),
     (

@@ -102,7 +102,7 @@ def set_tracks(self, x, y):
 
 
 METHODS = [
-    ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "callback probably sets the tracks' speeds"),
+    ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "callback probably sets the track speeds"),
     ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "one by one"),
     ({"control": read_twice}, "reads self.joy twice"),
     ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "assumes that a message"),

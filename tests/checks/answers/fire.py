@@ -41,7 +41,7 @@ METHODS = [
     ({"on_joy": lambda self, message: self.fire.put(np.bool_(1 in np.array(message.buttons)[:1]))}, []),
     ({"on_joy": put_what_changes, "configure": listen_alone}, []),
     ({"on_joy": lambda self, message: self.fire.put(message.buttons[0])}, ["without checking that it exists"]),
-    ({"on_joy": put_if_pressed}, ["doesn't put False when the button is released"]),
+    ({"on_joy": put_if_pressed}, ["doesn't put False into self.fire when the button is released"]),
     ({"on_joy": assign}, ["Your code probably assigns to self.fire"]),
     ({"on_joy": lambda self, message: self.fire.put(message.buttons and message.buttons[0])}, ["bool(...)"]),
     ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure"]),

@@ -45,7 +45,7 @@ class DestroysInStop(SlowPublisher):
 OTHER = "self.node.create_publisher(JointState, 'other', 1)"
 WRONG = [
     (edited(publish, ('f"', 'f"/')), "without a leading slash"),
-    (edited(publish, ("self.publisher =", f"{OTHER}\nself.publisher =")), "probably creates a publisher at each start"),
+    (edited(publish, ("self.publisher =", f"{OTHER}\nself.publisher =")), "each time the simulation starts"),
     (edited(publish, ("self.io = io", "self.io = io\nself.node.create_timer(0.04, print)")), "a timer or a thread"),
     (type("A", (SlowPublisher,), {"unconfigure": lambda a: a.node.destroy_subscription(a.publisher)}), "destroy_publ"),
     (DestroysInStop, "destroys the publisher in stop"),

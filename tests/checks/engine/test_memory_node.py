@@ -28,7 +28,7 @@ def test_undestroyed_topics_are_reported():
     publisher.destroy()
     with pytest.raises(Failure, match="unconfigure") as info:
         node.check_left()
-    assert str(info.value.error) == "the node still has 1 of 1 topics and does not know that they were destroyed"
+    assert str(info.value.error) == "the node still has 1 of 1 topics and was not notified that they were destroyed"
     assert node.destroy_publisher(publisher)
     assert node.check_left() == "nothing is left"
     with pytest.raises(Misuse, match="with a destroyed publisher"):

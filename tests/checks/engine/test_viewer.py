@@ -32,4 +32,4 @@ def test_posted_calls_run_later():
 def test_a_callback_that_touches_the_body():
     with closing(Viewer(Trial(Hurries))) as viewer, pytest.raises(Failure) as info:
         viewer.receive(MESSAGE)
-    assert str(info.value.error) == "it uses the body outside of the main thread"
+    assert str(info.value.error) == "it uses the body outside the main thread"

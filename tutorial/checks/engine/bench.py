@@ -32,12 +32,12 @@ SPINS = (
     "The executor is already spinning: its thread runs this callback, and can receive no response before the callback "
     "returns or awaits. Await call_async in a coroutine."
 )
-SIGNATURE = "rclpy calls a service's callback with two arguments, the request and an empty response."
-FIELDS = "Set message to a text, and success to True or False."
+SIGNATURE = "rclpy calls a service callback with two arguments, the request and an empty response."
+FIELDS = "Set message to a string, and success to True or False."
 TOO_EARLY = "There is no request yet. Call config.ask in the callback, for each request."
 KEYWORD = "config.ask passes these arguments to the function. Pass the timeout as a keyword argument: timeout=0.5."
 THE_NODE = "config.node belongs to the whole program. Destroy only what your code has created on it."
-NO_RETURN = "You probably forgot return, or returned something else. A service's callback must return a response."
+NO_RETURN = "You probably forgot return, or returned something else. A service callback must return a response."
 REQUEST = (
     "This client can send only a {0}.Request(). Create the client with the type Trigger, and call it with a request."
 )
@@ -49,9 +49,10 @@ NOT_THERE = {
     "'NoneType'": "There is no response yet: a future has no result until it is done, and call returns None after its "
     "timeout. Await call_async in a coroutine.",
     "_Request' object": f"A request does not have this field. {SIGNATURE}",
-    "await": "This is already a result. Remove await: only the futures of call_async, and coroutines, can be awaited.",
+    "await": "This is already a result. Remove await: only coroutines and the futures that call_async returns can be "
+    "awaited.",
 }
-"""Likely causes of an exception, by a string in its text."""
+"""Likely causes of an exception, keyed by a string in its message."""
 NO_LOOP = (
     "until and asyncio work only in a cell. In a callback, await the future itself, "
     "as in await self.client.call_async(request)."

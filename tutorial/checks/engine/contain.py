@@ -119,7 +119,7 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
         cause = "Your code probably exits the whole process, as os._exit does. A method only has to return."
     else:
         text = f"the process was killed by the signal {signal.Signals(-status).name}"
-        cause = "Code outside of Python probably crashed, for example after a wrong call into a C library."
+        cause = "Code outside Python probably crashed, for example after an incorrect call into a C library."
     return wrong(text, cause, place)
 
 

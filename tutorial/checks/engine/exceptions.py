@@ -25,7 +25,7 @@ _RETURNS = {
     "update": "{} runs on the main thread, which can do nothing else in the meantime: draw, and return.",
     "callback": "{} is a callback: store the message or post a call, and return. Never wait or loop in a callback.",
 }
-"""Why a method must return at once, by the method's name."""
+"""Why a method must return at once, keyed by the method's name."""
 _PROGRAMS = "Remove this call: the program calls rclpy.init, spins {}, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
@@ -39,15 +39,15 @@ _CLASS = "You probably forgot the parentheses: {0} is the class, and {0}(...) cr
 _GENERAL = "Fix this line first. The check stopped here."
 _RAISES = "Your code raises this error itself, and nothing catches it. Catch it, or report the problem in a result."
 _CAUSES = {
-    r"RuntimeError: .*event loop": "Your code probably uses the event loop outside of the main thread. Post a call, "
+    r"RuntimeError: .*event loop": "Your code probably uses the event loop outside the main thread. Post a call, "
     "self.call_later(self.update, message): the posted call can use the loop.",
     r"AttributeError: 'tuple'": "The value is a tuple. Unpack it, as in positions, report = match_joints(...).",
     r"AttributeError: type object '(\w+)'": _CLASS,
     r"AttributeError: .* has no attribute '(?:nano)?sec'": "The stamp is probably a number, or a Time that "
     "is not a message. Convert it to a message: Time(nanoseconds=self.io.time_ns).to_msg().",
-    r"ParameterNotDeclaredException": "No parameter with this name is declared yet. Each declaration also calls the "
-    "callbacks, so add your callback after all declarations.",
-    r"RecursionError": "This line calls its own method again, directly or through a callback, and so on without end.",
+    r"ParameterNotDeclaredException": "No parameter with this name has been declared yet. Each declaration also calls "
+    "the callbacks, so add your callback after all declarations.",
+    r"RecursionError": "This line calls its own method, directly or through a callback, and the recursion never ends.",
     r"TypeError: 'FloatingPointRange' object": "The range is a list: floating_point_range=[FloatingPointRange(...)].",
     r"TypeError: .*must be callable": "Your code probably calls the function immediately. Pass it without parentheses, "
     "as in self.ask(self.read).",
@@ -138,7 +138,7 @@ def _unset(answer: type, name: str) -> str:
     for method, code in codes.items():
         if name in code.co_varnames[code.co_argcount :]:
             return f"You probably forgot self in {method}: self.{name} = ..."
-    life = _LIFE if issubclass(answer, SimpleController) else "let __init__ set it."
+    life = _LIFE if issubclass(answer, SimpleController) else "set it in __init__."
     steps = [step for code in codes.values() for step in dis.get_instructions(code)]
     is_set = any(step.opname == "STORE_ATTR" and step.argval == name for step in steps)
     return _UNSET + life if is_set else _KEEP.get(name, _UNSET + life)

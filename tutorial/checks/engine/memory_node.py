@@ -22,8 +22,8 @@ IN_STOP = (
 )
 THE_NODE = "config.node belongs to the whole program. In unconfigure, destroy only the {0}: {1}."
 TOO_MANY = (
-    "Your code probably creates a {0} at each start, or super().configure(config) creates a second one. "
-    "Create only one {0}, in configure."
+    "Your code probably creates a {0} each time the simulation starts, or super().configure(config) creates a second "
+    "one. Create only one {0}, in configure."
 )
 LEFT = (
     "unconfigure is probably missing, or lacks {1}. Setting a flag, setting self.{0} to None, or calling "
@@ -177,7 +177,7 @@ class MemoryNode:
         """
         if not self.kept and not self.destroyed:
             return "nothing is left"
-        alone = " and does not know that they were destroyed" * any(each.destroyed for each in self.kept)
+        alone = " and was not notified that they were destroyed" * any(each.destroyed for each in self.kept)
         left = f"the node still has {len(self.kept)} of {len(self.made)} topics{alone}"
         cause = TOO_MANY if len(self.kept) < len(self.made) else LEFT
         if self.destroyed:
@@ -208,5 +208,5 @@ def _check_callback(callback: Any, message_type: type) -> None:
         text = f"create_subscription gets {callback!r} instead of a function"
         raise Misuse(text, AT_ONCE.format(f"on{name}"))
     if inspect.iscoroutinefunction(callback):
-        text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
+        text = f"{callback.__name__} is a coroutine function (async def), and nobody awaits it"
         raise Misuse(text, "Write def, not async def. In a callback, store the message or post a call, and return.")

@@ -16,7 +16,7 @@ from tutorial.checks.engine.trial import Trial
 
 NOTHING = "no message"
 IN_CONFIGURE = (
-    "Your code probably creates the publisher in initialize, which runs at every start. "
+    "Your code probably creates the publisher in initialize, which runs each time the simulation starts. "
     "Create the publisher once, in configure."
 )
 TOGETHER = (

@@ -35,7 +35,7 @@ def send(node: Any, topic: str, message: Any, done: Callable[[], object]) -> Non
     publisher = node.create_publisher(type(message), topic, 10)
     wait(
         publisher.get_subscription_count,
-        "no message reaches the subscription. Pass only a queue depth as its QoS, such as 1.",
+        "no message reaches the subscription. As its QoS, pass only a queue depth, such as 1.",
     )
     publisher.publish(message)
     wait(done, "a message from another program has no effect")

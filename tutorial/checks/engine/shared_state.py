@@ -16,7 +16,7 @@ from tutorial.checks.engine.answer import classes_of, functions_of
 
 _LOCKS = {type(make()): lambda _, make=make: (make, ()) for make in (threading.Lock, threading.RLock)}
 _DURATION = {Duration: lambda duration: (partial(Duration, nanoseconds=duration.nanoseconds), ())}
-"""The real rclpy's durations cannot be pickled, and every QoS profile contains durations."""
+"""Durations from the real rclpy cannot be pickled, and every QoS profile contains durations."""
 
 _NEW = object()
 _DEFAULT = "the default value of the argument "

@@ -200,9 +200,7 @@ class Viewer:
             if "touch" not in noted or failure.is_misuse:
                 raise failure
         if "touch" in noted:
-            raise Failure(
-                "the callback", Misuse("it uses the body outside of the main thread", TOUCHED), noted["touch"]
-            )
+            raise Failure("the callback", Misuse("it uses the body outside the main thread", TOUCHED), noted["touch"])
 
 
 def _check_callable(function: Any) -> None:

@@ -21,15 +21,15 @@ SHARED_BY_VIEWERS = (
     "Your code probably stores state on the class, which all viewers share. Store it on self, in configure."
 )
 ANOTHER_TOPIC = (
-    "Your code probably subscribes outside of configure, or uses the wrong topic or type. In configure, write {}."
+    "Your code probably subscribes outside configure, or uses the wrong topic or type. In configure, write {}."
 )
 NOT_POSTED = ("Your code probably drops some messages, for instance every second message, or posts no calls at all. "
               "For each message, post a call that shows it: {}.")  # fmt: skip
-MOVES = ("Your code probably omits calc_forward_kinematics or notify_change, or calls them too early. After each "
-         "move of the body, call calc_forward_kinematics and then notify_change.")  # fmt: skip
+MOVES = ("Your code probably omits calc_forward_kinematics or notify_change, or calls them too early. Each time "
+         "your code has moved the body, call calc_forward_kinematics and then notify_change.")  # fmt: skip
 PAST_THE_QUEUE = ("Your code probably posts a call directly to the event loop, so it still runs after the controller "
                   "has left its body. Use config.call_later or config.call_latest: "
-                  "when the controller leaves, both drop the calls that are still waiting.")  # fmt: skip
+                  "when the controller leaves, pending calls posted with either function are dropped.")  # fmt: skip
 
 
 def steps(*done: Step, viewer: Callable[..., Any] = Viewer) -> Run:
