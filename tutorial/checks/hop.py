@@ -193,7 +193,7 @@ def in_a_crowd(hall: Hall) -> str:
         hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
-    lost = f"{len(kept)} of 5 messages arrived, waiting calls: {calls}{', under a key' * bool(hall.keys)}"
+    lost = f"{len(kept)} of 5 messages arrived; waiting calls: {calls}{', under a key' * bool(hall.keys)}"
     return "" if hall.where() == UP else lost
 
 
@@ -212,7 +212,7 @@ CASES = [
          "Your code probably uses the wrong timer or duration, or the function that the timer calls does not put "
          "the body back. In update, write asyncio.get_running_loop().call_later(0.5, self.land)."),
     Case("after the hop", hopped(blow, land, Hall.where),
-         "Your code probably computes or hard-codes the place to land. "
+         "Your code probably computes or hard-codes the landing position. "
          "Restore the position that you stored when the blow arrived."),
     Case("after each move", hopped(blow, Hall.news, land, Hall.news), MOVES),
     Case("a second blow, after the body has landed and been moved", hopped(blow, land, move_it, other_blow, *THEN),
@@ -235,7 +235,7 @@ CASES = [
     Case("after unconfigure while the body is up", hopped(blow, wait, Hall.leaves, Hall.left),
          "Your code probably doesn't end the hop in unconfigure. "
          "Cancel the timer, put the body back and call notify_change."),
-    Case("after the move in unconfigure", hopped(blow, wait, Hall.leaves, Hall.news),
+    Case("after unconfigure has put the body back", hopped(blow, wait, Hall.leaves, Hall.news),
          "Your unconfigure method probably puts the body back without calling "
          "self.body.calc_forward_kinematics() and self.body.notify_change() afterwards."),
     Case("after unconfigure without a blow", hopped(move_it, Hall.leaves), STAYS),

@@ -71,7 +71,8 @@ MISTAKES = [
     Mistake("your code doesn't drop the messages that arrived before the pair's first message. "
             "Drop them, even if their partners arrive later.",
             replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
-    Mistake("your code returns two messages of one topic as a pair: a pair has one message of each topic.",
+    Mistake("your code returns two messages from the same topic as a pair: "
+            "a pair consists of one message from each topic.",
             both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
                  replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
     Mistake("your code drops a message too early. Look for the partner "
@@ -177,11 +178,11 @@ CASES = [
          NANOSECONDS),
     Case("the same digits", tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
          "Your code probably joins sec and nanosec as text, without leading zeros: compare both numbers."),
-    Case("a partner that is too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
+    Case("a partner that arrives too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
          PAST),
-    Case("poses that are too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),
-    Case("joint states that are too late", tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)),
-         PAST),
+    Case("poses that arrive too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),
+    Case("joint states that arrive too late",
+         tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)), PAST),
     Case("a late pose, after a pair whose pose came first",
          tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)), PAST),
     Case("late joint states, after a pair whose pose came first",

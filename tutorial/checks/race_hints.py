@@ -4,9 +4,9 @@ from tutorial.checks.exercise import SAYS
 
 HINTS = (
     """Where does your driver give up? Watch a whole race with --view, or save the images with np.save and look at the
-    last ones. The lowest quarter of the image shows floor far ahead of the tracks, so the tank turns too early and
-    cuts corners; in a tight bend, the line even leaves that quarter. And where does the camera point? It moves with the
-    barrel.""",
+    last ones. The lowest quarter of the image shows the floor far ahead of the tracks, so the tank turns too early
+    and cuts corners; in a tight bend, the line even leaves that quarter. And where does the camera point? It moves with
+    the barrel.""",
     """For the first few images, lower the barrel with axis 3, so that the camera sees the floor closer to the tank.
     Ignore the upper third of the image. In the rest, use the lowest yellow pixels instead of a fixed quarter. Turn more
     sharply than the error suggests, and drive more slowly in sharper turns. If you lose the line, drive straight ahead

@@ -76,7 +76,7 @@ MISTAKES = [
             replace("while received := self.received.get():",
                     "while not self.received.empty() and (received := self.received.get()):")),
     Mistake("something other than None, such as a flag, ends the thread while "
-            "entries are still waiting. Let only None end the thread.",
+            "entries are still waiting. Only None may end the thread.",
             both(replace("while received := self.received.get():",
                          "self.is_over = False\nwhile not self.is_over and (received := self.received.get()):"),
                  replace("self.received.put(None)", "self.is_over = True\nself.received.put(None)"))),

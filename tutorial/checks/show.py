@@ -123,7 +123,7 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST = [
     Case("a message", steps(states(("Y P", (0.1, 0.2))), Viewer.where),
-         "Your code probably sets no positions, or changes the received positions first. "
+         "Your code probably doesn't set any positions, or changes the received positions first. "
          "Call self.body.set_joint_positions(positions), with positions in rad."),
     Case("the joints in a different order", steps(states(("P Y", (0.2, 0.1))), Viewer.where),
          "Your code probably matches positions by their index in the message. "

@@ -71,14 +71,14 @@ class ThriftyPublisher(SimpleController):
 
 
 MISTAKES = [
-    Mistake("your first message lacks joints. Before the first message, nothing has been sent: "
+    Mistake("your first message doesn't name all joints. Before the first message, nothing has been sent: "
             "start with an empty self.sent, so that all joints are new.",
             replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
                     "= dict.fromkeys(io.body.joint_names, 0)")),
     Mistake("your code sends all joints in every message. "
             "Name only the joints that have moved, and store the sent positions.",
             replace("if n not in self.sent or abs(q - self.sent[n]) > 0.001}", "}")),
-    Mistake("your code treats a last position of 0 as missing, as in `if not last`. "
+    Mistake("your code treats a stored position of 0 as missing, as in `if not last`. "
             "Check whether the name is in self.sent.",
             replace("n not in self.sent or", "not self.sent.get(n) or")),
     Mistake("your code sends all joints as soon as one has moved. Name only the joints that have moved.",
@@ -105,7 +105,7 @@ MISTAKES = [
             replace("abs(q - self.sent[n]) > 0.001", "round(q, 3) != round(self.sent[n], 3)",
                     "int(q * 1000) != int(self.sent[n] * 1000)")),
     Mistake("your code omits abs, or applies it to each position instead of the difference. "
-            "A joint can move in both directions: abs(a - b) > 0.001.",
+            "A joint can move in either direction: abs(a - b) > 0.001.",
             replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
                     "abs(abs(q) - abs(self.sent[n]))")),
     Mistake("your code doesn't store the sent positions, or it replaces self.sent and loses the other positions. "
@@ -186,7 +186,7 @@ CASES = [
     Case("the joints of the tank", moved(SLEW, model="tank"), f"Most likely {ALL_JOINTS}"),
     Case("two robots in turn", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
     Case("after a restart", lambda trial: PUBLISHING.restarted(trial, moves=(REST,), model="crane"),
-         "Your code probably keeps self.sent from the previous run, or waits "
-         "for step 0. Create self.sent in initialize, which runs at every start."),
+         "Your code probably keeps self.sent from the previous run, or waits for step 0. "
+         "Create self.sent in initialize, which runs each time the simulation starts."),
 ]  # fmt: skip
 thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, CASES, MISTAKES, MEANING))

@@ -56,7 +56,7 @@ MISTAKES = [
             both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
                  replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
     Mistake("your code subtracts the message's stamp, which can be empty. "
-            "Store the argument seconds in the first call with the new message.",
+            "Store the value of seconds in the first call with each new message.",
             replace("return seconds - self.since",
                     "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
     Mistake("your code compares the messages' contents. While a stick is held still, the "
@@ -65,7 +65,8 @@ MISTAKES = [
                     'message.axes != getattr(self.message, "axes", None)')),
     Mistake("your code stores only the time of the first message. Set self.since for every new message.",
             replace("if message is not self.message:", "if self.message is None:")),
-    Mistake("once a message is too old, your code also rejects all later ones. Each new message is fresh again.",
+    Mistake("once a message is too old, your code also rejects all later ones. "
+            "A new message is fresh, even after a stale one.",
             both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
                  replace("return seconds - self.since <= 0.5",
                          "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
@@ -109,18 +110,18 @@ def fresh(trial: Trial, timeout: Any, message: Joy, seconds: float) -> bool:
 NEW = ", ".join(f"N {i / 4}" for i in range(40))
 OFTEN = ", ".join(f"A {i / 4096}" for i in range(1000))
 A_AT_3 = ("Your code probably misses a new message. Set self.since whenever "
-          "the message is a different object than in the previous call.")  # fmt: skip
+          "the message is not the same object as in the previous call.")  # fmt: skip
 CASES = [
     Case("one message, at 0, 0.25, 0.5 and 0.75 s", tried("A 0, A 0.25, A 0.5, A 0.75"),
          "Set self.since when the message is new, and only then. The first message is new, even at 0 s."),
     Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
          "Your code probably doesn't set self.since in the first call. "
-         "Store the argument seconds in the first call with the new message."),
+         "Store the value of seconds in the first call with each new message."),
     Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
          tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
     Case("a stick held still, with an identical message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
          "Your code probably compares the messages' contents, or looks for the "
-         "message among all earlier ones. Compare with the previous message, using `is not`."),
+         "message among all earlier ones. Compare each message with the previous one, using `is not`."),
     Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
     Case("40 new messages, each created after the previous one is deleted", lambda trial: [all(tried(NEW)(trial))],
          "Your code probably stores id(message), and a later message can get "

@@ -73,7 +73,8 @@ class TrackLimits(SimpleController):
 
 RCLPYS_OWN = "_on_parameter_event"  # the callback for use_sim_time, which every node has
 NO_CALLBACK = (
-    "In configure, add it with self.node.add_on_set_parameters_callback: only this callback can refuse with a reason."
+    "In configure, add it with self.node.add_on_set_parameters_callback: only this callback can reject a value and "
+    "give a reason."
 )
 RESULT = "In every case, return SetParametersResult(successful=True), or successful=False with a reason."
 
@@ -95,7 +96,7 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
             if method == RCLPYS_OWN:
                 made = bench.created()
                 raise Failure(
-                    "configure", Misuse(f"it adds no callback that can refuse; it creates {made}", NO_CALLBACK)
+                    "configure", Misuse(f"it adds no callback that can reject values; it creates {made}", NO_CALLBACK)
                 )
             callbacks += [lambda _: SetParametersResult(successful=False)] * vetoed
             for values in sets:
@@ -105,9 +106,9 @@ def tried(*sets: dict[str, Any], reason: str = "", vetoed: bool = False) -> Run:
                     result = bench.node.set_parameters_atomically(given)
                 if "invalid type" in result.reason:
                     raise Failure(method, Misuse("it returns no SetParametersResult", RESULT))
-                said.append("accepted" if result.successful else "refused")
+                said.append("accepted" if result.successful else "rejected")
                 if not result.successful and reason not in result.reason:
-                    cause = f"The reason for refusing has to contain the sum of the new speed and turn: {reason}."
+                    cause = f"The reason has to contain the sum of the new speed and turn: {reason}."
                     raise Failure(method, Misuse(f"the reason is {result.reason!r}", cause))
             speed, turn = limits(trial, bench)
         return f"{', '.join(said)}: speed {speed:g}, turn {turn:g}"
@@ -165,26 +166,26 @@ NUMBERS = (
 )
 STORED = (
     "limits() probably returns the values in the wrong order, or values that your code stored too early, or only once. "
-    "Return self.node.get_parameter(name).value for both parameters: refused values are never stored there."
+    "Return self.node.get_parameter(name).value for both parameters: rejected values are never stored there."
 )
 ALONE = (
-    "Your code probably uses only new values, or only current ones, or tests the sum before it knows all new values. "
+    "Your code probably uses only new values, or only current ones, or tests the sum before it has all the new values. "
     "Use the new value of each parameter in the list, and the current value of a parameter that is not in the list. "
     "Then test the sum once."
 )
 CASES = [
     Case("the parameters", described,
-         "Declare both as doubles, with a value, a description and a range without a step size, in a list: "
-         "floating_point_range=[FloatingPointRange(from_value=0.0, to_value=2.0)]."),
+         "Declare both as doubles, with a value, a description and a range without a step size. "
+         "Put the range in a list: floating_point_range=[FloatingPointRange(from_value=0.0, to_value=2.0)]."),
     Case("speed 1.5", tried({"speed": 1.5}),
-         "The callback probably expects both parameters in the list, or refuses valid values. "
+         "The callback probably expects both parameters in the list, or rejects valid values. "
          "If the sum is at most 2.5, return SetParametersResult(successful=True).", crashes=True),
     Case("speed 2.0", tried({"speed": 2.0}),
-         "Your code probably refuses a sum of exactly 2.5, or tests each parameter separately. "
-         "Refuse only a larger sum: > 2.5."),
+         "Your code probably rejects a sum of exactly 2.5, or tests each parameter separately. "
+         "Reject only a larger sum: > 2.5."),
     Case("speed 2.0, then turn 1.5", tried({"speed": 2.0}, {"turn": 1.5}, reason="3.5"),
-         "Your code probably uses only the values in the list, or the initial or current values instead of new ones, "
-         "or compares the sum with a different limit. Add the new turn to the current speed, and refuse a sum above "
+         "Your code probably uses only the values in the list, uses initial or current values instead of the new ones, "
+         "or compares the sum with a different limit. Add the new turn to the current speed, and reject a sum above "
          "2.5."),
     Case("turn 1.5, then speed 2.0", tried({"turn": 1.5}, {"speed": 2.0}, reason="3.5"),
          "Your code probably uses the initial value of turn, or tests the sum only if turn is in the list. "
@@ -196,7 +197,7 @@ CASES = [
     Case("a parameter that other code declared", tried({"width": 9.0, "turn": 0.7}, {"width": 1.0, "turn": 1.6}),
          "The callback probably expects only its own parameters in the list, or returns when it finds a different one. "
          "Ignore all other parameters, and test the sum of speed and turn.", crashes=True),
-    Case("speed 1.5, refused by a different callback", tried({"speed": 1.5}, vetoed=True)),
+    Case("speed 1.5, rejected by a different callback", tried({"speed": 1.5}, vetoed=True)),
     Case("after unconfigure", left,
          "In unconfigure, remove the callback with remove_on_set_parameters_callback, and undeclare both parameters."),
 ]  # fmt: skip

@@ -79,8 +79,8 @@ MISTAKES = [
             "are 0 if there is no rotation: use turned(q, point).",
             replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
                     "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
-    Mistake("your code rounds the numbers. Rounding to three decimals changes each number by up to half a millimetre. "
-            "Return the unrounded numbers.",
+    Mistake("your code rounds the numbers. Rounding to three decimal places "
+            "changes each number by up to half a millimetre. Return the unrounded numbers.",
             replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
                     "[t.x, t.y, t.z])\npoint = np.round(point, 2)")
             + replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",
@@ -164,7 +164,8 @@ CASES = [
          "the three incorrectly: compare your code with turned(q, point)."),
     Case("two transforms", tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)), IN_TURN, crashes=True),
     Case("quaternions with all signs flipped", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
-         "q and -q are the same rotation. Your code probably uses the sign of w, but not those of x, y and z."),
+         "q and -q represent the same rotation. "
+         "Your code probably uses the sign of w, but not those of x, y and z."),
     Case("five transforms", tried(LONG, (0.3, 0.1, -0.2)), IN_TURN, crashes=True),
     Case("a point of ints", tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
          "An array made from ints can hold only ints. Your code probably drops "

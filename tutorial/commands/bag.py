@@ -105,7 +105,7 @@ def info(bag: Path) -> None:
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",
-    help=f"Publish the bag's time on /clock at this rate; if you give no rate, at {CLOCK_RATE:g} Hz.",
+    help=f"Publish the bag's time on /clock at this rate, or at {CLOCK_RATE:g} Hz if you give no rate.",
 )
 @click.option(
     "--start-offset", type=Seconds(min=0), default=0.0, metavar="SECONDS", help="Start this many seconds into the bag."

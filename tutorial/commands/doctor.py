@@ -37,7 +37,7 @@ PIP = "python -m pip install"
 SETUP = "/opt/ros/jazzy/setup.bash"
 
 Kind = Literal["pocket", "folder", "pixi", "sourced"]
-"""Which ROS 2 is in use: the pocket ROS 2, a real one from PyPI's wheels or from RoboStack, or a sourced one."""
+"""Which ROS 2 is in use: the pocket ROS 2, a real one from PyPI wheels or from RoboStack, or a sourced one."""
 
 RANGES = {
     "LOCALHOST": "nodes on this machine only",
@@ -206,7 +206,7 @@ def discovery() -> Diagnosis:
     mends = [] if reach == "LOCALHOST" else [f"to reach only nodes on this machine: export {RANGE}=LOCALHOST"]
     for name in filter(os.environ.get, BY_HAND):
         text += f"; {name} is {os.environ[name]!r}, which also affects discovery"
-        mends.append(f"if it is not set on purpose: unset {name}")
+        mends.append(f"if it was not set on purpose: unset {name}")
     return Diagnosis("note" if mends else "ok", text, "; ".join(mends))
 
 

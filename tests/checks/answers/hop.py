@@ -115,7 +115,7 @@ WRONG += [
     (edited(hop, edit), cause)
     for edit, cause in [
         (("hypot(a.x, a.y)", "max(a.x, a.y)"), "Your code probably tests the wrong condition"),
-        (("self.move(self.place)", "self.move(self.body.position - (0, 0, 0.1))"), "computes or hard-codes the place"),
+        (("self.move(self.place)", "self.move(self.body.position - (0, 0, 0.1))"), "hard-codes the landing position"),
         (("> 20", "> 20 and not hasattr(self, 'place')"), "Set self.timer = None when the body lands"),
         ((POST, SKIP_EQUAL + POST), "is identical to the previous one"),
         (("a = message.", "if self.timer: self.timer.cancel()\na = message."), "reacts to a harmless message"),

@@ -172,7 +172,7 @@ WRONG = [
     (edited(tune, ("return SetParametersResult(successful=True)", "pass")), "In every case, return"),
     (
         edited(tune, ("self.node.add_on_set_parameters_callback(self.check)", "pass")),
-        "only this callback can refuse",
+        "only this callback can reject",
     ),
     (edited(tune, (DECLARE, "self.node.declare_parameter(name, value)")), "a description and a range"),
     (edited(tune, ('("turn", 0.5)', '("turn", 1)')), "a description and a range"),
@@ -183,7 +183,7 @@ WRONG = [
         edited(tune, ("if total > 2.5:", "if max(each.value for each in parameters) > 1.5:")),
         "or tests each parameter separately",
     ),
-    (edited(tune, ("> 2.5", ">= 2.5")), "Your code probably refuses a sum of exactly 2.5"),
+    (edited(tune, ("> 2.5", ">= 2.5")), "Your code probably rejects a sum of exactly 2.5"),
     (edited(tune, FIRST_TURN), "initial value of turn"),
     (edited(tune, IF_TURN), "tests the sum only if turn is in the list"),
     (edited(tune, BOTH), "expects both parameters in the list"),
@@ -217,8 +217,8 @@ WRONG = [
     (Prefixed, "with exactly this name"),
     (Stores, "stored too early"),
     (StoresAccepted, "stored too early"),
-    (OneAfterAnother, "before it knows all new values"),
-    (SpeedFirst, "before it knows all new values"),
+    (OneAfterAnother, "before it has all the new values"),
+    (SpeedFirst, "before it has all the new values"),
     (LeavesACallback, "remove the callback"),
     (DeclaresLast, "add your callback after all declarations"),
 ]

@@ -7,7 +7,7 @@ import msgspec
 from tutorial.errors import printable_lines
 
 LONGEST = 4000  # maximum number of characters; longer strings are truncated
-FORGED = "The verdict does not have the check's format, so the answer may have forged it: inspect the answer's code."
+FORGED = "The verdict is not in the check's format, so the answer may have forged it: inspect the answer's code."
 
 
 class Outcome(StrEnum):
