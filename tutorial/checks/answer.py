@@ -5,7 +5,7 @@ this is `/Tank/angle`. The response reports the angle of the simulated body's jo
 
 - The simulated body belongs to the simulation's thread. During a step, its joints hold intermediate values, so only
   this thread may read the joints, and only between two steps: use `config.ask`.
-- The message is the angle with two decimals, such as `0.25 rad`, and `success` is True.
+- The message is the angle with two decimal places, such as `0.25 rad`, and `success` is True.
 - If the angle cannot be read within 0.5 s, `success` is False, and the message is the text of the `RefusedError`.
   Therefore, no client waits much longer than 0.5 s.
 - The controller works on any body. In `unconfigure`, when the controller leaves the body, the node destroys the

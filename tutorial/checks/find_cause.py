@@ -193,7 +193,7 @@ CASES = [
     Case("no publisher anywhere", graph(), ALONE, crashes=True),
     Case("a publisher only in domain 5", graph(found_in=(5,)), ALONE, crashes=True),
     Case("publishers in this domain and in domain 5", graph(TANK, found_in=(5,)),
-         "Your code probably looks at other domains although there is a publisher in this domain. "
+         "Your code probably looks at other domains even if there is a publisher in this domain. "
          "In that case, ignore found_in."),
     Case("a publisher of Imu messages", graph(STRANGER), TYPES),
     Case("a publisher of String messages", graph(SPEAKER), TYPES),

@@ -53,7 +53,7 @@ MISTAKES = [
     Mistake("your code uses only the last transform or only the first, or skips a transform. Use all transforms.",
             replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
                     "(transforms[1:]):")),
-    Mistake("your code goes from the first transform to the last. The point is in the last transform's "
+    Mistake("your code applies the transforms from the first to the last. The point is in the last transform's "
             "child frame: go from the last transform to the first.",
             replace("reversed(transforms)", "transforms")),
     Mistake("your code adds the inner translations without turning them. "

@@ -42,7 +42,7 @@ class BagRecorder(SimpleController):
         if self.writer.is_alive():  # it ends when the disk is full
             self.received.put((self.node.get_clock().now().nanoseconds, payload))
 
-    def write(self) -> None:  # the recorder's own thread: a disk takes its time
+    def write(self) -> None:  # the recorder's own thread: writing to a disk takes time
         """Write the messages from the queue into the bag until the queue yields None."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)

@@ -87,7 +87,7 @@ class StampPairs:
 
     def __init__(self, leave_out: Callable[[str], object]) -> None:
         self.leave_out = leave_out
-        self.waiting: dict[tuple[int, int], dict[str, Any]] = {}  # by stamp, in the order of arrival; then by stream
+        self.waiting: dict[tuple[int, int], dict[str, Any]] = {}  # by stamp, in order of arrival; then by stream
         self.newest: tuple[int, int] | None = None  # the stamp of the last pair
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-USUAL = (320, 240)  # [px] resolution of cameras whose model sets none
+USUAL = (320, 240)  # [px] default camera resolution, if the model sets none
 ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 fixes this problem"
 ELSEWHERE = "See MuJoCo's documentation on rendering in Python to find out what to install on this system"
 

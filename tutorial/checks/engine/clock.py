@@ -54,7 +54,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return timer
 
     def call_soon(self, callback: Any, *args: Any, context: Context | None = None) -> asyncio.Handle:  # type: ignore[override]
-        """Call a function in the next turn, as asyncio does."""
+        """Call a function in the next iteration of the loop, as asyncio does."""
         self._check()
         return super().call_soon(callback, *args, context=context)
 

@@ -154,7 +154,7 @@ def _mapped(process: psutil.Process) -> int:
 
 
 def environment(folder: str) -> dict[str, str]:
-    """Return the environment variables for an untrusted program whose files are in a folder."""
+    """Return the environment variables for an untrusted program whose files are in the given folder."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     return {
         **{name: value for name, value in os.environ.items() if name.startswith(KEPT)},

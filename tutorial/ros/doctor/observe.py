@@ -173,7 +173,7 @@ class _Elsewhere(ExitStack):
 
 def _endpoints(node: Node, topic: str) -> tuple[tuple[Endpoint, ...], tuple[Endpoint, ...]]:
     """Return the topic's publishers and subscriptions, including the node's own."""
-    # The real rclpy lists no endpoints at all while one name is not valid UTF-8.
+    # The real rclpy lists no endpoints at all if any name is not valid UTF-8.
     with suppress(RuntimeError, UnicodeDecodeError):
         publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)
         return tuple(map(_endpoint, publishers)), tuple(map(_endpoint, subscriptions))
