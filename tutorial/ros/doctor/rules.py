@@ -384,8 +384,7 @@ RULES: dict[str, Rule] = {
         _name,
         "Two names refer to the same topic only if they are identical, including the namespace and "
         "the case of each letter.",
-        "Correct the name in one of the programs, or remap the topic being checked when you start the program that "
-        "uses it:",
+        "Correct the name in one of the programs, or remap the checked topic when you start the program that uses it:",
         command="--ros-args -r TOPIC:=OTHER",
         look="topic list -t",
     ),

@@ -61,8 +61,8 @@ def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
     """Return how many consecutive reads of the graph must give the same result.
 
     The pocket ROS 2 knows which participants have not announced all their entities. With the real rclpy, a node's name
-    may be missing because a program that uses DDS without ROS 2 never announces one. Also, Fast DDS may still be
-    discovering other programs.
+    may be missing because a program that uses DDS without ROS 2 never announces one. Also, Fast DDS may not have
+    discovered any other program yet.
     """
     if hasattr(node.context, "graph"):
         return QUIET_READS if node.context.graph.is_complete() else inf

@@ -264,7 +264,7 @@ class NodeParameters:
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Set all the parameters, or none if one is rejected; return whether they were set and, if not, why.
 
-        Setting the type of a dynamically typed parameter to ``NOT_SET`` undeclares the parameter.
+        Setting a dynamically typed parameter to a parameter of type ``NOT_SET``, which has no value, undeclares it.
 
         Raises:
             ParameterNotDeclaredException: a parameter has not been declared.
