@@ -52,8 +52,8 @@ READ = {
     DISPLAYED: "Your code probably reads the joint of the displayed body, config.body. "
     "The simulated body is io.body in initialize.",
     FIRST: f"Your code probably reads the joint only once, in initialize. {ASK}",
-    DURING: "Your code probably reads the joint on the executor's thread, in the middle of a step. Read its position "
-    "in the function that the simulation's thread runs: self.ask(self.read, timeout=0.5).",
+    DURING: "Your code probably reads the joint on the executor's thread, in the middle of a step. Read the joint's "
+    "position in the function that the simulation's thread runs: self.ask(self.read, timeout=0.5).",
     STORED: f"Your code probably stores the angle in control, so the stored angle is soon out of date. {ASK}",
     BARREL: "Your code probably reads a different joint. The turret's joint is TURRET_Y.",
 }

@@ -80,7 +80,7 @@ class Exercise:
             return self._verdict(tuple(self.findings(answer, instruments)))
 
     def findings(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
-        """Judge an answer in this process, and yield each finding immediately.
+        """Judge an answer in this process, and yield each finding as soon as it is known.
 
         Args:
             answer: the learner's class or function.

@@ -76,7 +76,7 @@ def _own_cause(odd: Observation, twins: Twins) -> Why:
 
 
 def _explanation(seen: Observations, twins: Twins) -> _Explanation:
-    """Explain all observations; failing that, all but the exceptions or all but the odd cases with a shared meaning."""
+    """Explain all observations or, failing that, all but the exceptions, or all but odd cases that share a meaning."""
     failed = [each for each in seen.all if each.failed]
     misused = [each for each in failed if each.is_misuse]
     alike = _with_the_same_meaning(seen, twins)
