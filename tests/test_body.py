@@ -102,10 +102,10 @@ def test_missing_parts_are_empty(tmp_path):
 @pytest.mark.parametrize(
     ("find", "said"),
     [
-        (lambda body: body.joint("TURET_Y"), "joint 'TURET_Y'. Did you mean 'TURRET_Y'? Known names: 'TURRET_P'"),
-        (lambda body: body.set_joint_positions({"X": 0.0}), "joint 'X'. Known names: 'TURRET_P', 'TURRET_Y'."),
-        (lambda body: body.actuator("TRACK_RR"), "actuator 'TRACK_RR'. Did you mean 'TRACK_R'? Known names: 'R"),
-        (lambda body: body.sensor("GYRO_"), "sensor 'GYRO_'. Did you mean 'GYRO'? Known names: 'ACC"),
+        (lambda body: body.joint("TURET_Y"), "joint 'TURET_Y'. Did you mean 'TURRET_Y'? Known: 'TURRET_P'"),
+        (lambda body: body.set_joint_positions({"X": 0.0}), "joint 'X'. Known: 'TURRET_P', 'TURRET_Y'."),
+        (lambda body: body.actuator("TRACK_RR"), "actuator 'TRACK_RR'. Did you mean 'TRACK_R'? Known: 'R"),
+        (lambda body: body.sensor("GYRO_"), "sensor 'GYRO_'. Did you mean 'GYRO'? Known: 'ACC"),
     ],
 )
 def test_an_unknown_name_gets_a_suggestion(tank, find, said):

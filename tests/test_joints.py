@@ -63,7 +63,7 @@ def test_only_known_joints_move_and_only_to_received_finite_values(stream):
 
 
 TWICE = "named twice (the last number is used): 'a'"
-KNOWN = "Known names: 'TURRET_P', 'TURRET_Y'."
+KNOWN = "Known: 'TURRET_P', 'TURRET_Y'."
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
         valid: the valid names.
 
     Returns:
-        ``" Did you mean 'x'? Known names: 'x', 'y'."``, with a leading space so that it can be appended to a sentence.
+        ``" Did you mean 'x'? Known: 'x', 'y'."``, with a leading space so that it can be appended to a sentence.
     """
     names = sorted(valid)
     if not names:
@@ -46,7 +46,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     near = get_close_matches(given, names, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
     more = f" and {len(names) - 30:,} more" if len(names) > 30 else ""
-    return f"{hint} Known names: {', '.join(map(repr, names[:30]))}{more}."
+    return f"{hint} Known: {', '.join(map(repr, names[:30]))}{more}."
 
 
 def printable(text: str) -> str:

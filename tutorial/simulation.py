@@ -41,7 +41,7 @@ class Simulation:
 
     `advance` steps as fast as possible on the calling thread; `start` steps in real time on a separate thread, until
     `stop` is called. A controller can access only the simulated copy of its body, through the `ControllerIO` that
-    `initialize` receives. Any thread may call any method except `copy_to`; a controller must not call any of them.
+    its `initialize` receives. Any thread may call any method except `copy_to`; a controller must not call any of them.
 
     Every exception that a controller raises, even SystemExit, becomes a `ControllerError`. If a controller does not
     return within a few seconds of `stop` or `release`, the simulation is abandoned and never touched again:

@@ -99,7 +99,7 @@ def test_problems_are_one_throttled_line(joints, clock, caplog):
         clock.now = 100.0 + 0.5 * i
         show(joints, matcher, ["TURET_Y", "TURRET_P"], [0.1, 0.2], i)
         assert joints.tally["matched"] == i + 1, "even the same report is counted each time"
-    said = "Tank: 1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? Known names: 'TURRET_P', 'TURRET_Y'."
+    said = "Tank: 1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? Known: 'TURRET_P', 'TURRET_Y'."
     assert caplog.messages == [said, said]
 
 

@@ -84,7 +84,7 @@ def test_a_project_that_needs_services_says_how_to_get_them():
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known names: 'Mine'. A controller class must"),
+        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known: 'Mine'. A controller class must"),
         ("MyBroken", "1 / 0\n", "my_broken.py, line 1: ZeroDivisionError"),
     ],
 )
@@ -144,7 +144,7 @@ def test_a_body_can_lack_geoms_of_its_model(write):
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic name."),
         (body("model: models/tnak.xml"), "line 2: there is no model 'models/tnak.xml'. Did you mean 'models/tank."),
         (body("without: [GUN]"), "line 2: tank.xml has no geom 'GUN'. There are none."),
-        (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known names: 'models/tank.xml'."),
+        (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known: 'models/tank.xml'."),
     ],
 )
 def test_an_error_is_reported_with_its_line_and_the_fix(write, text, said):

@@ -142,7 +142,7 @@ class Camera:
 
     def __init__(self, rig: "CameraRig", body: Body, name: str) -> None:
         if name != "CAMERA":
-            raise TutorialError(f"the body {body.name!r} has no camera {name!r}. Known names: 'CAMERA'.")
+            raise TutorialError(f"the body {body.name!r} has no camera {name!r}. Known: 'CAMERA'.")
         self.name, (self.width, self.height) = name, SIZES[body.name]
         self._rig, self._is_open = rig, True
         rig.cameras.append(self)

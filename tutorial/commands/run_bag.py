@@ -19,7 +19,8 @@ async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
     """Record what a program publishes and receives, for the duration of the context.
 
     The recorder uses a separate node, so it does not affect the program's message counts. The context starts when the
-    recorder is matched with all of the program's publishers, so that the bag contains the whole run, or after 5 s.
+    recorder is matched with all of the program's publishers, so that the bag contains the whole run. After 5 s, it
+    starts in any case.
 
     Args:
         host: the program.

@@ -57,7 +57,7 @@ def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
 
 
 def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
-    """Return the object registered under a name; if the name is new, make and register an object as `keep` does."""
+    """Return the object registered under a name; if there is none, make and register an object as `keep` does."""
     return _open[name][0] if name in _open else keep(name, make, close)
 
 

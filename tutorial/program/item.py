@@ -45,7 +45,7 @@ class JointWatch:
         self.meters: list[TopicMeter] = []
         self.applied = 0
         self.tally: Counter[str] = Counter()
-        self._report: JointReport | None = None  # the last report on the publisher that is followed
+        self._report: JointReport | None = None  # the last report on a message from the publisher that is followed
         self._reported_at = 0.0
         self._complained_at = -COMPLAIN_EVERY
         self._heard: dict[str, float] = {}  # when each joint last received a position

@@ -68,7 +68,7 @@ CASES = {
     ),
     "unknown": (
         replace(WELL, unmoved=200, complaint="0 joints shown; unknown 'TURET_Y'."),
-        replace(WELL, unmoved=101, complaint="0 joints shown; unknown 'a', 'b'. Known names: 'TURRET_P', 'TURRET_Y'."),
+        replace(WELL, unmoved=101, complaint="0 joints shown; unknown 'a', 'b'. Known: 'TURRET_P', 'TURRET_Y'."),
     ),
     "dropped": (
         replace(WELL, unmoved=200, complaint="0 joints shown; not a finite number: 'TURRET_Y'"),
