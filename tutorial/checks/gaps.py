@@ -8,7 +8,7 @@ in the order of receipt; each `message` is a `JointState`. It returns a list of 
   and this stamp becomes the newest one.
 
 `before` is the newest stamp so far and `after` is the message's stamp, both in whole nanoseconds. A message that is
-only a little late, or as old as the newest one, is not an event. Report every event, even if it repeats an earlier
+only a little late, or repeats the newest stamp, is not an event. Report every event, even if it repeats an earlier
 gap or restart. The list can be empty: never raise an exception, and don't change the list.
 
 Hint 1: What do you compare each stamp with? Not with the previous stamp, which may have been late, but with the newest

@@ -13,8 +13,8 @@ already spinning.
 - `on_joint_state` is the callback. It publishes immediately and creates no publisher or subscription: subscriptions
   take time to discover a publisher.
 - The first message can arrive as soon as the subscription exists, so create it last.
-- A screen that starts late gets the robot's newest message, even if no screen was running before, and however old
-  the message is.
+- A screen that starts late gets the robot's newest message, however old it is, even if it was sent before any
+  screen was running.
 
 Hint 1: Look at the two connections separately. In each connection, the publisher offers a QoS and the subscription asks
 for one. What is the most that the relay can ask of the robot, and the least that it has to offer the screen?
