@@ -169,7 +169,7 @@ def png(pixels: bytes, width: int, height: int) -> bytes:
     """Encode a colour image as PNG: three bytes per pixel, row by row from the top."""
     row = 3 * width
     lines = b"".join(b"\0" + pixels[i : i + row] for i in range(0, row * height, row))
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits each of red, green and blue
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits each for red, green and blue
     chunks = ((b"IHDR", head), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b""))
     packed = (struct.pack(">I", len(c)) + k + c + struct.pack(">I", zlib.crc32(k + c)) for k, c in chunks)
     return b"\x89PNG\r\n\x1a\n" + b"".join(packed)

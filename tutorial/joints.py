@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
 NAMES_KEPT = 3  # in each `NameList`, so that a report is small even if a message has many names
-SECOND_NS = 1_000_000_000  # [ns] a stamp that jumps back further means that the publisher was restarted
+SECOND_NS = 1_000_000_000  # [ns] a stamp that jumps back by more than this means that the publisher was restarted
 PAUSE_NS = 10 * SECOND_NS  # [ns] the longest allowed pause between messages from one of several publishers
 SHOWABLE = 1e9  # [rad or m] largest usable position; views use single precision, which can represent even its square
 SLACK = 1e-3  # [rad or m] a range can be exceeded by this much without a report, because simulated limits are soft
@@ -51,7 +51,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     unknown = [name for name in names if name not in ranges]
     pairs = [(name, position) for name, position in zip(names, positions) if name in ranges]
     usable = {joint: position for joint, position in pairs if abs(position) <= SHOWABLE}  # excludes NaN; the last wins
-    received = dict(pairs) | usable  # in the message's order, with an unusable number only if there is no usable one
+    received = dict(pairs) | usable  # in message order; a joint has an unusable number only if it has no usable one
     shown = {joint: position for joint, position in received.items() if joint in usable}
     limits = {joint: _with_slack(ranges[joint]) for joint in shown}
     return shown, JointReport(
@@ -254,7 +254,7 @@ class _Publishers:
             return Arrival.NEXT
         track.dropped += 1
         switches = track.dropped >= SILENT_AFTER * rivals  # immediately if no rival is left
-        rival = track.positions if switches else positions  # the publisher that is not followed now is the rival
+        rival = track.positions if switches else positions  # the rival is the publisher not followed from now on
         self._rival_positions |= {joint: rival[joint] for joint in positions}
         return Arrival.SWITCHED if switches else Arrival.ANOTHER
 
@@ -277,7 +277,7 @@ class _Publishers:
 
     def _recount(self) -> int:
         count = self._count_publishers()
-        if count < self._last_count:  # a publisher has disappeared, and it is unknown which
+        if count < self._last_count:  # a publisher has disappeared, but it is unknown which one
             self._groups, self._rival_positions, self._history = [], {}, {}
         self._last_count, self._until_recount = count, 0 if count > 1 else COUNT_EVERY - 1
         return count

@@ -113,7 +113,7 @@ MEANING = ("Compare your steps with these: move and clamp q_ref, compute both sp
            "joint.effort to 200 * (q_ref - q) + 50 * (dq_ref - dq), unclamped.")  # fmt: skip
 POSITION = "Your code probably sets joint.position to the result. A motor needs a torque: set joint.effort."
 
-NARROW = (-0.1700001, 0.7800001)  # [rad]; just over a whole number of moves away from the cases' starting angles
+NARROW = (-0.1700001, 0.7800001)  # [rad]; each limit is just over a whole number of moves from every starting angle
 
 
 Range = tuple[float, float]  # [rad]
@@ -136,7 +136,7 @@ def play(
             trial.call(held.aim, stick)
             if joint.position != position:
                 raise Failure("aim", Misuse("it sets the joint's position", POSITION))
-            body.data.qfrc_actuator[:] = motor.ctrl  # joint.effort in the next call
+            body.data.qfrc_actuator[:] = motor.ctrl  # the next call reads this as joint.effort
             yield motor.ctrl
 
 

@@ -16,7 +16,7 @@ from tutorial.system.paths import HOME
 if TYPE_CHECKING:
     from tutorial.checks.exercise import Exercise
 
-NEEDS_REAL_ROS = ("10_services", "services")  # a sandbox hides the notebooks, so the title has no number there
+NEEDS_REAL_ROS = ("10_services", "services")  # in a sandbox, the notebooks are hidden, so the title has no number
 
 
 @cache

@@ -103,7 +103,7 @@ WORDS = 'The only kinds of events are "gap" and "restart". Do not report late me
 HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
 
-Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]; integers are text, to preserve every digit
+Found = list[tuple[str | float, ...]]  # an event and its stamps [ns]; integers as strings, to preserve every digit
 
 
 def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tuple[int, JointState]]:

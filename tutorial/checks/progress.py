@@ -16,7 +16,7 @@ from typing import Any
 import msgspec
 
 FILE = ".tank_progress.json"
-VARIABLE = "TANK_PROGRESS"  # environment variable for the path of a different file, in tests
+VARIABLE = "TANK_PROGRESS"  # environment variable in which tests set the path of a different file
 LARGEST = 2**20  # [bytes], a thousand times the usual size
 
 

@@ -92,7 +92,7 @@ def tried(calls: str, objects: int = 1) -> Run:
         messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
         messages["C"].header.stamp.sec, messages["C"].axes = 6, []
         turns = cycle([trial.call(trial.answer) for _ in range(objects)])
-        each_call = [*map(str.split, calls.split(","))]  # split first: a new string could take N's place in memory
+        each_call = [*map(str.split, calls.split(","))]  # split first: a new string could reuse the last N's memory
         return [fresh(trial, next(turns), messages.get(each) or Joy(), float(at)) for each, at in each_call]
 
     return case

@@ -38,7 +38,7 @@ def own_course() -> Path:
     course = Path.cwd() / OWN if HOME == SHIPPED else HOME
     if course.exists() and not is_ours(course):
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
-    if (course / "tutorial" / "__init__.py").exists():  # a checkout, which is complete
+    if (course / "tutorial" / "__init__.py").exists():  # a checkout already has all course files
         return course
     try:
         added = _add_missing(course)

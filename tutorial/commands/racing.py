@@ -78,7 +78,7 @@ class Entry:
     @property
     def warning(self) -> str:
         """A warning if the machine was too slow for a fair race; otherwise an empty string."""
-        if self.real_time >= SLOW or self.result.seconds < 1:  # a shorter race measures little more than its start
+        if self.real_time >= SLOW or self.result.seconds < 1:  # in a shorter race, the ratio mostly reflects the start
             return ""
         return f"raced at {self.real_time:.2f} times real time: race again with nothing else running on this machine"
 

@@ -77,7 +77,7 @@ def four_axes(message: Joy) -> list[float]:
 
     Any program can publish anything, so limit every value before you use it.
     """
-    axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]  # a message may have a million
+    axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]  # there may be a million axes
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
 
 

@@ -14,7 +14,7 @@ from tutorial.model.yamlfile import YamlFile
 
 SUFFIX = ".yaml"
 FLOOR = (3.0, 2.5)  # [m] from the middle of the laboratory to its walls, along x and y
-SPACING = 0.1  # [m] between neighbouring points of the curve, approximately
+SPACING = 0.1  # [m] approximate distance between neighbouring points on the curve
 HEIGHT = 0.006  # [m] above the floor: higher than the pad that the tank starts on
 YELLOW = (1.0, 0.8, 0.0, 1.0)
 VISUAL, HIDDEN = 1, 4  # MuJoCo's groups

@@ -22,7 +22,7 @@ from rclpy.executors import SingleThreadedExecutor
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode
 
-KEPT = 2000  # number of newest spans to keep per node
+KEPT = 2000  # number of spans to keep per node: the newest ones
 
 Callback = Callable[..., Any]
 

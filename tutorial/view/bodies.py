@@ -240,7 +240,7 @@ class View:
             self._set(f"/Lights/{name}", "visible", False)
         for name, light in LIGHTS.items():
             self._set_object(f"/Lights/{name}", light)
-        self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables this, but a sky casts no shadow
+        self._set("/Lights/Sky/<object>", "castShadow", False)  # meshcat enables this, but skylight casts no shadows
         self._set("/Axes", "visible", False)
         self._draw_frame("", Frame(ODOM, 0, np.eye(4)), 1.0)
         self._set("/Grid", "position", [0, 0, 0.003])  # at height 0, the grid would flicker against a floor

@@ -129,7 +129,7 @@ class Bench:
     def __init__(self, trial: Trial, name: str = "Tank", **replies: str) -> None:
         self.trial, self.requests, self.asked, self.took = trial, RequestQueue(), list[str](), 0.0
         self.timeouts, self._posted, self._is_configured = list[float](), deque[Callable[[], object]](), False
-        trial.is_timed = not replies  # configure may wait for the services, which rclpy checks every 0.25 s
+        trial.is_timed = not replies  # configure may wait for the services, and rclpy checks for them only every 0.25 s
         self._own, self._other = _Thread(_Node, f"tank_{id(trial)}"), _Thread(_Node, "other")
         self.node = self._own.node
         setattr(self.node.executor, "spin_until_future_complete", _spins)  # noqa: B010 - mypy refuses an assignment

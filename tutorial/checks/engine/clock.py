@@ -12,7 +12,7 @@ from tutorial.checks.engine.trial import Trial
 
 BEGAN = 1024.0  # [s] the clock's initial time; sums of powers of two are exact
 TURN = 2.0**-17  # [s] how long each turn of the loop takes, so that time passes even while code loops on sleep(0)
-TURNS = 20  # turns after a timer: enough for the calls that it schedules, and for the calls that these calls schedule
+TURNS = 20  # turns after a timer fires: enough for the calls that it schedules, and the calls that those schedule
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # asyncio's own text
 AT_ONCE = (

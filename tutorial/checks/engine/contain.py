@@ -23,7 +23,7 @@ from tutorial.system.paths import PACKAGE
 DONE = b"done\n"
 LIMIT = 120.0  # [s] time limit for a whole check; the watchdog usually stops a slow answer much earlier
 OUTPUT_KEPT = 20_000  # bytes
-REST = 1.0  # [s] how long to read the rest of the output, in case a process that the answer started holds the pipe open
+REST = 1.0  # [s] time limit for reading the remaining output: a process that the answer started may hold the pipe open
 CLINGS = "The answer runs in a separate process. It must get everything that it needs from config, io or its arguments."
 OWN_LOOP = "The answer runs in a process with its own event loop: write asyncio.get_running_loop() instead."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')

@@ -146,7 +146,7 @@ class _Search:
         self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
         self._known = [*twins.cases.faults, *(twins.slips(missing) if self._has_slips else ())]
         self._leading = [each for each in self._known if same(twins.does(self._last.case, each), self._last.value)]
-        # Odd cases come first, because a wrong candidate most likely differs there. Each group begins with its fastest.
+        # Odd cases come first: a wrong candidate most likely differs in them. Each group begins with its fastest case.
         self._quickest = sorted(seen, key=lambda each: (not each.is_odd, each.seconds))
 
     def single(self) -> Iterator[tuple[Fault, ...]]:

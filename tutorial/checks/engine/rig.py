@@ -134,7 +134,7 @@ class Rig:
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
-        # Whole seconds in nanosec are a mistake. Adding them twice here makes the stamp wrong.
+        # nanosec must be less than 10**9. If it is not, its whole seconds are added twice here, so the stamp is wrong.
         stamp_ns = (stamp.sec + stamp.nanosec // 10**9) * 10**9 + stamp.nanosec
         is_here = threading.current_thread() is self._thread
         step = self.io.step if is_here else round(stamp_ns / 1e9 / self.io.time_step)

@@ -14,7 +14,7 @@ MARGIN = 8.0  # [px]
 HEIGHT = 42.0  # [px] height of nodes and topics
 LONGEST_NAME = 30  # characters
 CHARACTER = 7.3  # [px] approximate width of a character in the code font
-TWIN = 8.0  # [px]; arrows to the left begin and end this far below the middle
+TWIN = 8.0  # [px]; arrows that point left begin and end this far below the middle
 HEAD = 8.0  # [px] size of an arrowhead
 
 

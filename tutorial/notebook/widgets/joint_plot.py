@@ -23,7 +23,7 @@ SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # per message
 TOO_LARGE = 1e6  # [rad]; larger positions, such as infinity, are not drawn
 LEAST_SPAN = 0.02  # [rad] smallest range of the y axis
-RESTART = 1.0  # [s]; a stamp that jumps back further means that the publisher restarted
+RESTART = 1.0  # [s]; a stamp that jumps back by more than this means that the publisher restarted
 
 
 class _Sample(NamedTuple):

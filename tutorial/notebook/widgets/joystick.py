@@ -38,7 +38,7 @@ class Joystick(NodeWidget):
     _clock = staticmethod(time.monotonic)
 
     def __init__(self) -> None:
-        self._held = Latest((_Sticks(), -math.inf))  # the page's last message, and its time of receipt
+        self._held = Latest((_Sticks(), -math.inf))  # the last message from the page, and its time of receipt
         self._publishing = threading.Lock()
         super().__init__()
         self.open_node("joystick", self._set_up)

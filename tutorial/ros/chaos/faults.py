@@ -18,7 +18,7 @@ Change = Callable[[Random, Any], None]
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
 LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # delay of a late message
-AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a wrong clock can be ahead
+AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far ahead a wrong clock can be
 
 MARKUP = (
     "<b>TURRET_Y</b>",

@@ -35,7 +35,7 @@ from tutorial.ros.topics.endpoints import publishers_on, reader_qos, subscriptio
 from tutorial.ros.topics.graph import NAMELESS
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_valid_topic, message_class
 
-LOOK = 3.8  # [s] the whole observation, or a little longer if the publisher appears late
+LOOK = 3.8  # [s] duration of the whole observation, which takes a little longer if the publisher appears late
 LISTEN = 1.2  # [s] minimum time to wait for messages; Fast DDS discovers nodes after 1 to 4 s
 ALONE_AFTER = 1.0  # [s] to wait for a publisher before the other domains are searched
 READ_EVERY = 0.1  # [s] between two reads of the graph

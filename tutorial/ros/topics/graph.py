@@ -19,7 +19,7 @@ _log = logging.getLogger(__name__)
 
 READ_EVERY = 0.1  # [s] between reads of the graph
 QUIET_READS = 5  # consecutive identical reads before the graph counts as known
-PATIENT_READS = 30  # the same if the real rclpy may still discover more nodes: see `_reads`
+PATIENT_READS = 30  # used instead of QUIET_READS if the real rclpy may still discover more nodes: see `_reads`
 LOOKED_INTO = 50  # maximum number of topics whose publishers and subscriptions are read
 TIMEOUT = 8.0  # [s]; Fast DDS announces its nodes after 1 s, and again every 3 s
 DISCOVERY_TIMEOUT = 2.0  # [s] how long a requested node or topic can take to appear
@@ -88,7 +88,7 @@ def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     topics: list[tuple[str, list[str]]] = []
     with suppress(RuntimeError, UnicodeDecodeError):  # the real rclpy lists no nodes while any node has an empty name
         snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
-    with suppress(UnicodeDecodeError):  # the real rclpy lists no topics as long as one name is not valid UTF-8
+    with suppress(UnicodeDecodeError):  # the real rclpy lists no topics while any name is not valid UTF-8
         topics = node.get_topic_names_and_types()
     snapshot += [(topic, *types) for topic, types in topics]
     services = getattr(node, "get_service_names_and_types", list)  # the pocket ROS 2 has no services
