@@ -3,9 +3,9 @@
 Write the class `CommandTimeout`. Its method `fresh(message, seconds)` is called once per step, with the newest message
 and the simulated time [s]. It returns `True` if this message arrived at most 0.5 s ago, otherwise `False`.
 
-- A message arrives in the call that passes a new object, not the same one as in the previous call (`is not`), even if
-  its axes have the same values: a joystick repeats the axes while its sticks are held still. In the first call, the
-  message is new.
+- A new message arrives in each call that passes a different object from the previous call (`is not`), even if its axes
+  have the same values: a joystick repeats the axes while its sticks are held still. In the first call, the message is
+  new.
 - Measure time only with `seconds`. A step can have any length, the message's stamp can be empty, and the computer's
   clock does not show simulated time.
 - A new message is fresh, even after a stale message.

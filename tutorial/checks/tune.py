@@ -1,7 +1,7 @@
 """The exercise `tune`: parameters that other programs can set, and a check that can reject new values.
 
-Write the controller `TrackLimits`. It declares two parameters on the program's node, `speed` and `turn` [m/s], with the
-initial values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without a step size.
+Write the controller `TrackLimits`. On the program's node, it declares two parameters, `speed` and `turn` [m/s], with
+the initial values 1.0 and 0.5. Both are doubles with a description and a range from 0.0 to 2.0, without a step size.
 
 - Their sum must not exceed 2.5. The controller rejects values with a larger sum, and the reason contains the sum, such
   as `3.5`.
