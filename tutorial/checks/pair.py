@@ -2,7 +2,7 @@
 
 Write the class `Pairs`. It pairs messages with the same stamp from two topics. The viewer passes each message to the
 method `add(stream, message)` on arrival; `stream` is `"joints"` or `"pose"`. As soon as both messages with the same
-stamp have arrived, `add` returns them as `joints, pose`. Every other call returns `None`.
+stamp have arrived, `add` returns them as `joints, pose`. All other calls return `None`.
 
 - Either message can arrive first, and one topic can be ahead of the other. Each topic's messages arrive in the order of
   their stamps.
