@@ -29,8 +29,8 @@ UNANSWERED = (
     "Await call_async in a coroutine, with the clients in a callback group that the waiting callback is not in."
 )
 SPINS = (
-    "The executor is already spinning: its thread runs all callbacks, and can receive no response before a callback "
-    "returns or awaits. Await call_async in a coroutine."
+    "The executor is already spinning: its thread runs all callbacks, and can receive no response until the current "
+    "callback returns or awaits. Await call_async in a coroutine."
 )
 SIGNATURE = "rclpy calls a service callback with two arguments, the request and an empty response."
 FIELDS = "Set message to a string, and success to True or False."

@@ -122,7 +122,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
     ]
     cmake = folder.site_packages(tools) / "cmake/data/bin/cmake"
     environment = _environment(prefix, tools)
-    with TemporaryDirectory(prefix="tank-") as build:  # not in `prefix`: CMake's file(STRINGS) fails in /home/jörg
+    with TemporaryDirectory(prefix="tank-") as build:  # not in `tools`: CMake's file(STRINGS) fails in /home/jörg
         for words in (
             ["-S", source, "-B", build, "-G", "Ninja", *options],
             ["--build", build],
