@@ -51,7 +51,10 @@ def judge(kind: type[Viewer], fault: str) -> str:
 
 @lru_cache(maxsize=1)
 def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
-    """Return each good message and the actions that a fault turns it into. Every viewer gets the same actions."""
+    """Return each good message, paired with the actions that result from it when the fault is applied.
+
+    Every viewer gets the same actions.
+    """
     chaos = Chaos(seed=SEED)
     made = []
     for number in range(1, 1 + MESSAGES):

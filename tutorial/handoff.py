@@ -334,7 +334,7 @@ class ThreadGuard:
             action: the name of the guarded call, for instance ``"set_joint_positions"``.
 
         Raises:
-            WrongThreadError: the calling thread did not make the guard.
+            WrongThreadError: the calling thread did not create the guard.
         """
         if threading.get_ident() != self._ident:
             raise WrongThreadError(

@@ -284,6 +284,6 @@ CASES = [
          "Write every entry: a repeated message is still a message."),
     Case("a message arrives just as the recorder stops listening", tried(A, coming=[B]),
          "Your code probably stops listening too late, after put(None). Messages that arrive "
-         "after None are never written: first destroy the subscription, then put None."),
+         "after None are never written: first destroy the subscription, then call put(None)."),
 ]  # fmt: skip
 record = Exercise("record", __doc__, Cases(MyRecorder, CASES, MISTAKES, MEANING), ("write", "unconfigure"))

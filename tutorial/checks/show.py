@@ -83,7 +83,7 @@ def states(*messages: tuple[str, Sequence[float]]) -> Step:
 
 
 def wait_together(viewer: Viewer) -> str:
-    """Observe the joints after five messages whose calls are waiting at the same time."""
+    """Observe the joints after five messages whose posted calls are all waiting at once."""
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()

@@ -10,7 +10,7 @@ from tutorial.errors import TutorialError
 
 FIRST_PORT, PORTS = 7400, 250
 """The first UDP port of domain 0, and the number of ports per domain."""
-FIRST_UNICAST = 10  # offset from a domain's first port; from there, every second port belongs to a participant
+FIRST_UNICAST = 10  # offset of the first participant's first port; each participant has two ports
 DOMAINS = [*range(11, 102), *(range(215, 233) if sys.platform == "linux" else ())]
 """Domain IDs whose ports the system does not assign to other programs.
 

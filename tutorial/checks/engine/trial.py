@@ -89,7 +89,7 @@ class Trial:
             if changed:
                 raise Misuse(f"it changes its argument, the {changed[0]}", CHANGED)
             if isinstance(returned, Iterator):
-                wanted = f"yield and comprehensions in parentheses create iterators. {wanted}"
+                wanted = f"yield, or a comprehension in parentheses, creates an iterator. {wanted}"
             else:
                 with suppress(AttributeError, TypeError, ValueError):
                     return read(returned)

@@ -119,8 +119,8 @@ def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Ans
 
     Returns:
         An answer for each exercise that the notebook imports, checks or answers, in the order of the checks. If a check
-        is called several times, the last call that passes the answer by its name is used or, if there is no such call,
-        simply the last one.
+        is called several times, the last call whose argument is the answer's own name is used; if there is none, the
+        last call is used.
     """
     nodes: list[tuple[ast.stmt, str]] = []
     unreadable: dict[str, tuple[str, str]] = {}

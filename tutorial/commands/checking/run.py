@@ -1,4 +1,4 @@
-"""Judges the answers in notebooks, then scores their drivers for the race, and shows the progress."""
+"""Judges the answers in notebooks, then scores the notebooks' race drivers, and shows progress."""
 
 # ruff: noqa: PLC0415 - only races need MuJoCo
 

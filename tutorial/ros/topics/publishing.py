@@ -17,7 +17,7 @@ from tutorial.ros.topics.populate import Populated
 
 DEPTH = 10  # depth of the queue, as in rclpy's default profile
 LOOK_EVERY = 0.1  # [s] between checks for subscriptions
-TELL_EVERY = 10  # number of checks between reports of the wait
+TELL_EVERY = 10  # number of checks between two messages about the wait
 KEEP_ALIVE = 0.1  # [s] how long the publisher stays alive after its last message, as in ros2
 ACKNOWLEDGED_IN = 1.0  # [s] maximum time to wait for acknowledgements
 

@@ -45,7 +45,7 @@ def uninstall() -> bool:
     Returns:
         Whether `install` was undone. If a part of the pocket ROS 2 has already been imported, nothing changes.
     """
-    if "_rosidl.message" in sys.modules:  # pocket's rclpy also imports this module
+    if "_rosidl.message" in sys.modules:  # the pocket rclpy also imports this module
         return False
     sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
     ours = ("_absent", "_rosidl.finder")

@@ -17,7 +17,7 @@ from _rosidl.values import PRIMITIVES, container, default_factory, field_type
 CHECK_FIELDS = os.environ.get("ROS_PYTHON_CHECK_FIELDS") == "1"
 
 DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0, ("sensor_msgs/msg/NavSatStatus", "status"): -2}
-"""The only defaults in the common interfaces that aren't zero; the type store of rosbags has no defaults."""
+"""The only defaults in the common interfaces that aren't zero; the rosbags library's type store has no defaults."""
 
 
 class Slot(NamedTuple):
