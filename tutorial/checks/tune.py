@@ -7,7 +7,7 @@ the initial values 1.0 and 0.5. Both are doubles with a description and a range 
   as `3.5`.
 - If both are set together, only the new values matter. The controller ignores other parameters.
 - `limits()` returns the current values as a list or tuple, `(speed, turn)`.
-- In `unconfigure`, when the controller leaves the body, it removes its callbacks and undeclares both parameters.
+- In `unconfigure`, when the controller leaves the body, it removes its callback and undeclares both parameters.
 
 Hint 1: Look at what the callback gets: a list of the parameters that are being set, one or both. For a parameter that
 is not in the list, use its current value.

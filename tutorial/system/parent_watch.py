@@ -84,7 +84,7 @@ def signal_group(pid: int, number: int) -> bool:
 
 
 def _begin(program: str, early: set[int]) -> None:
-    """Restore the default signal handling, and send the command each signal that arrived before it was started.
+    """Restore the default signal handling, and forward to the command any signals that arrived before it was started.
 
     A ``tank`` command unblocks SIGINT itself when it is ready. Before that, Python would respond with a traceback.
     """

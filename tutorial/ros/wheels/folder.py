@@ -16,7 +16,7 @@ WHEELS = Path(__file__).with_name("runtime.txt")
 """List of the wheels in the folder, with versions and hashes."""
 
 ABOUT = WHEELS.with_name("about.txt")
-"""A text that describes these wheels to users."""
+"""The file that describes these wheels to users."""
 
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
