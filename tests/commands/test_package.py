@@ -145,7 +145,7 @@ def test_its_node_takes_the_options_of_tank_run(here, domain):
     [
         ("My-Tank", "'My-Tank' is not a valid package name. Did you mean 'my_tank'? Use at least two"),
         ("x", "at least two characters"),
-        ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
+        ("tank\x1b[2J", r"'tank\\x1b[2J' is not a valid package name"),
         ("lambda", "Python already has a module or keyword 'lambda'"),
         ("rclpy", "Choose a different name, such as 'my_rclpy'."),
     ],

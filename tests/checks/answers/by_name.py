@@ -59,7 +59,7 @@ def in_whole_thousandths(joint_names, message):
 
 WRONG = [
     (yields, "Return a dict that maps names to positions"),
-    (makes_one_dict, "reuses one dict in all calls"),
+    (makes_one_dict, "reuses one dict, such as a default argument"),
     (looks_up_all, "expects every joint in every message"),
     (filters_first, ["before zip", "only for NaN"]),
     (in_whole_thousandths, ["converts or rounds", "only for NaN"]),

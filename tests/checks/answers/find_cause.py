@@ -151,7 +151,7 @@ WHOLE = "Compare whole names"
 ENOUGH = "One publisher that follows /clock is enough"
 BY_MESSAGES = "your code looks at the messages before the subscriptions"
 TURNED = "the wrong way round: the publisher has to offer"
-ELSEWHERE = "Your code probably looks at other domains although there is a publisher in this domain"
+ELSEWHERE = "Your code probably looks at other domains even if there is a publisher in this domain"
 LOST = "Your code probably looks at other facts first"
 WRONG = [
     (lambda _: "broken", "Return one of 'domain', 'nobody', 'type'"),

@@ -105,7 +105,7 @@ WRONG = [
         "raises this error itself",
     ),
     (changed(__setattr__=lambda self, *each: setattr(type(self), *each)), "is shared by all objects of the class"),
-    (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "outside of the main"),
+    (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "outside the main"),
 ]
 
 POST, DESTROY = "self.call_later(self.update, message)", "self.node.destroy"
