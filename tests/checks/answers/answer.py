@@ -191,7 +191,7 @@ WRONG = [
     (edited(answer, ("self.node.destroy_service(self.service)", "self.node.destroy_node()")), "Destroy only what"),
     (
         edited(answer, ("response.message = self", "print(self"), ("timeout=0.5)", "timeout=0.5))")),
-        "before anything fills",
+        "before it has been filled in",
     ),
     (AsksEarly, "There is no request yet"),
     (CreatesMore, "doesn't destroy the service"),

@@ -212,7 +212,7 @@ WRONG = [
         "list",
     ),
     (edited(tune, ("description=f", "read_only=True, description=f")), "Declare both as doubles"),
-    (Sets, "calls its own method again"),
+    (Sets, "the recursion never ends"),
     (ReturnsEarly, "returns when it finds a different one"),
     (Prefixed, "with exactly this name"),
     (Stores, "stored too early"),
