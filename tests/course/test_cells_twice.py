@@ -10,7 +10,8 @@ from real_ros import need_ros_for
 
 from tutorial.system.paths import HOME
 
-LONG = {"8_bag_recorder", "9_nothing_arrives", "11_race"}  # for three runs, from one minute to five
+# Three runs of these take from half a minute to five minutes.
+LONG = {"0_setup", "3_joint_state_subscriber", "7_pose", "8_bag_recorder", "9_nothing_arrives", "11_race"}
 NOTEBOOKS = [
     pytest.param(path, marks=pytest.mark.nightly if path.stem in LONG else ())
     for path in sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))

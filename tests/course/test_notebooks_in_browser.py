@@ -10,7 +10,8 @@ from screen import Learner
 from tutorial.commands.lab import trust
 from tutorial.system.paths import HOME
 
-WAITING = {"9_nothing_arrives", "11_race"}  # for messages that never arrive, or for real time: one to two minutes
+# These wait for messages that never arrive, or for real time, which takes one to two minutes.
+WAITING = {"8_bag_recorder", "9_nothing_arrives", "11_race"}
 LONGEST_FIRST = [
     pytest.param(path, marks=pytest.mark.nightly if path.stem in WAITING else ())
     for path in sorted((HOME / "notebooks").glob("*.ipynb"), key=lambda path: -path.stat().st_size)
