@@ -21,6 +21,7 @@ from tutorial.ros.domains import FIRST_PORT, FIRST_UNICAST, PORTS
 from tutorial.ros.wheels.folder import RANGE
 
 COMMAND = 60  # maximum number of characters of a program's command to show
+READS = 10  # how often to list the sockets, because a single list can be incomplete
 EPHEMERAL = 32768  # from this port up, the system assigns ports to programs
 
 
@@ -81,8 +82,12 @@ def _program(pid: int, joined: list[int]) -> Program | None:
 
 
 def _udp_ports() -> set[int] | None:
-    """Return the UDP ports in use on this machine; None if only root may list them."""
+    """Return the UDP ports in use on this machine; None if only root may list them.
+
+    While programs open and close sockets, Linux can omit some of the other sockets from a list: see ``READS``.
+    """
     try:
-        return {each.laddr.port for each in psutil.net_connections("udp") if each.laddr}
+        lists = [psutil.net_connections("udp") for _ in range(READS)]
+        return {each.laddr.port for connections in lists for each in connections if each.laddr}
     except (psutil.Error, OSError):
         return None
