@@ -14,7 +14,7 @@ from programs import TANK, until
 
 from tutorial.commands import terminal
 from tutorial.commands.topic_doctor import doctor_of
-from tutorial.ros.doctor.machine import domains_in_use, programs
+from tutorial.ros.doctor.machine import READS, domains_in_use, programs
 from tutorial.ros.doctor.observe import observe
 from tutorial.ros.doctor.rules import diagnose
 from tutorial.ros.node_thread import NodeThread
@@ -101,9 +101,8 @@ def test_the_last_place(domain, take):
 
 def test_an_incomplete_list_of_sockets_hides_no_domain(domain, take, monkeypatch):
     take(1)
-    lists = iter([[], []])
-    complete = psutil.net_connections
-    monkeypatch.setattr(psutil, "net_connections", lambda kind: next(lists, None) or complete(kind))
+    lists = iter([[], psutil.net_connections("udp"), *[[]] * READS])
+    monkeypatch.setattr(psutil, "net_connections", lambda kind: next(lists))
     assert domains_in_use([domain]) == [domain]
 
 
